@@ -74,7 +74,7 @@ def _print(found: Diagnosis, is_written: bool) -> None:
         print(f"  {one.sentence}")
     if len(found.where) > MOST_WHERE:
         more = len(found.where) - MOST_WHERE
-        print(f"  and {more} condition{'s' * (more > 1)} more, told with --json and on the page of --out")
+        print(f"  and {more} more condition{'s' * (more > 1)}, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
         print(f"  what is left follows {follows}")
     _print_impacts(found)

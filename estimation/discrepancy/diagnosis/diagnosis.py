@@ -39,6 +39,7 @@ from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld, 
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.attempts import Step
 from ..search.candidates import free_label
+from ..search.gains import WORTH
 from ..search.laws import Law, row_values
 from ..search.model import Model
 from ..search.search_in_band import at_rest, searched
@@ -189,13 +190,23 @@ class Diagnosis:
         is_left = self.verdict in ("unexplained", "partly_explained")
         told: dict[str, Any] = {
             "size": {residual.coordinate: residual.size if is_left else 0.0 for residual in self.after},
-            "depends_on": [law.words for law in self.withdrawn],
+            "depends_on": [law.words for law in self.may_follow],
         }
-        for law in self.withdrawn:
+        for law in self.may_follow:
             if law.period is not None:
                 told.setdefault("period", law.period)
                 told.setdefault("period_unit", law.unit)
         return told
+
+    @cached_property
+    def may_follow(self) -> tuple[Law, ...]:
+        """Laws that what is left may follow: withdrawn ones, and, where something is left, the one that gained most in
+        the end, but for what the forms of others may make of it."""
+        if self.withdrawn or self.verdict not in ("unexplained", "partly_explained") or not self.steps:
+            return self.withdrawn
+        last = self.steps[-1].attempts if self.steps[-1].added is None else ()
+        near = [(one.gain, one.candidate) for one in last if one.model is not None and one.gain >= WORTH]
+        return tuple(law for _, law in near[:1] if isinstance(law, Law))
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -220,7 +231,7 @@ class Diagnosis:
         """Logs whose masses are not those of one cart."""
         known = [(b.name, band) for b, band in zip(self.final.logs, self.bands, strict=True) if band is not None]
         if len(known) > 1:
-            (light, least), (heavy, most) = (end(known, key=_mass) for end in (min, max))
+            (light, least), (heavy, most) = (end(known, key=lambda one: one[1].mass) for end in (min, max))
             if most.mass - least.mass > OTHER_CART * float(np.hypot(least.deviation, most.deviation)):
                 told = (f"{b.mass:.3g} ± {b.deviation:.2g} kg" for b in (least, most))
                 yield (
@@ -237,7 +248,7 @@ class Diagnosis:
     def named_share(self) -> float:
         """Share of the held-out gap above the noise floor that names alone close (0 to 1)."""
         whole = self.gap.refitted**2 - self.gap.noise_floor**2
-        if whole <= 0.0 or not self.effects:
+        if whole <= 0.0 or all(effect.law is not None for effect in self.effects):
             return 0.0
         bare = replace(self.final, laws=()).refitted(self.final.cart) if self.final.laws else self.final
         left = rollout_error(held_out_rollouts(bare)) if self.final.laws else self.gap.after
@@ -362,10 +373,6 @@ def _without_holes(log: RunLog) -> list[RunLog]:
         return parts
     named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))
     return [part for part in named if is_long_enough(part)] or [log]
-
-
-def _mass(known: tuple[str, Band]) -> float:
-    return known[1].mass
 
 
 def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:

@@ -41,7 +41,8 @@ def law_figure(found: Diagnosis) -> Figure:
         for ax, dots in zip(row, (force, force - told), strict=True):
             ax.plot(at[every], dots[every], ".", ms=2, color="0.6")
             ax.axhline(0, **ZERO)
-            ax.set_xlabel(f"{variable_of(effect)} ({law.unit}){', folded' if effect.cycle else ''}")
+            there = " of the wheel" * bool(effect.lever and effect.of == "travelled_distance")
+            ax.set_xlabel(f"{variable_of(effect)}{there} ({law.unit}){', folded' if effect.cycle else ''}")
         row[0].plot(curve, value, color=KINDS["extended"], lw=1.5)
         row[0].fill_between(curve, value - std, value + std, color=KINDS["extended"], alpha=0.3, lw=0)
         row[0].set_ylabel(f"{effect.acts_on.replace('_', ' ')} ({unit})")

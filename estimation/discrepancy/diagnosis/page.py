@@ -32,23 +32,32 @@ svg { max-width: 100%; height: auto; }
 .wide { overflow-x: auto; }
 """
 ONE_STD = "(± one standard deviation)"
+OWN = {
+    "time": "The law counts time from this log's begin: another log begins at another phase, and tells its own.",
+    "travelled_distance": "The law counts the way from where this log began: another log begins at another turn of the "
+    "wheel, and tells its own.",
+}
+"""What is said of laws that several logs share only if they begin alike."""
 COMMANDS = """cartgrasp discrepancy NEXT_LOG.csv --cart cart.yaml --out next
 cartgrasp simulate --cart cart.yaml --path straight --out run"""
 WORDS = {
     "added": "The probability is that of the name, among all that was tried: on logs whose truth is known, so many "
-    "such names are true. The gap is that of squared rollout errors above noise, which each closed when it was added.",
+    "such names are true. What is not told apart explains about as much, by more numbers. The gap is that of squared "
+    "rollout errors above noise, which each closed when it was added, before all were fitted together.",
     "drive": "Then drive, to decide what these logs leave open. With --next next.yaml the command that made this page "
     "writes that motion as a reference, and --follow DIR, this folder, takes its log beside these:",
     "residuals": "What the arms gave, less what the model needs, row by row. Refitted is the cart of the file with its "
     "numbers fitted to these logs, extended is that with what was added. Grey: ± one standard deviation of noise.",
     "follows": "Dots are rows, lines their means in bins; bars are ± one standard deviation.",
     "laws": "Left the forces that rows ask for, all else taken away, with the law's curve and its band (± one standard "
-    "deviation); right what it leaves of them.",
+    "deviation of its numbers, not of what finer ones would add); right what it leaves of them. Rows are means over "
+    "some 0.2 s, which round off what is shorter.",
     "rollouts": "Simulated from the measured motion on, with the recorded wrenches, by what was learned from other "
     "stretches; nominal is the cart as its file has it.",
     "gap": "Root mean square over all unseen stretches.",
     "isolability": "What effects of usual size would do on this motion, in standard deviations that the rest can't do.",
-    "steps": "Gain of the expected log predictive density, less what oddness costs.",
+    "steps": "Gain of the expected log predictive density, less what oddness costs; without ± where it was looked at "
+    "alone, and not fitted with all else.",
     "impacts": "Sudden changes of motion that no wrench explains; fits leave them out. Three at one place are a stop.",
 }
 
@@ -99,6 +108,8 @@ def _next(found: Diagnosis) -> str:
         f"cart.yaml beside this page is {what}. Every command takes it. In this folder, the first of these holds it "
         "against your next log, and the second simulates it:"
     )
+    if counted := [law for law in found.final.laws if law.of in OWN]:
+        use = f"{OWN[counted[0].of]} {use}"
     sensors = f"<p>Look at this first: where a sensor is wrong, so is all below.</p>{_list(found.warnings)}"
     words = found.next_experiment.words
     drive = WORDS["drive"] if words else "Nothing is left open."
@@ -115,7 +126,13 @@ def _gap_table(found: Diagnosis) -> str:
         errors[f"{coordinate} after 1 s, {'mrad' if coordinate == 'heading' else 'mm'}"] = values
     told = ("before", "refitted", "after", "noise_floor")
     rows = [[name, *(f"{1e3 * values[k]:.1f}" for k in told)] for name, values in errors.items()]
-    heads = ["", "nominal: as in the file", "refitted", "extended by what was added", "noise of a perfect model"]
+    heads = [
+        "",
+        "nominal: as in the file",
+        "refitted",
+        "extended by what was added, or given another size",
+        "noise of a perfect model",
+    ]
     return _table(heads, rows)
 
 
@@ -127,9 +144,14 @@ def _effects(found: Diagnosis) -> str:
         told = [_valued(name, *numbers) for name, numbers in one.parameters.items()]
         size = [words_of(group, alike=False), f"likely {law.likely}"] if law else told
         names, alike = ", ".join(each.called for each in group), ", ".join(one.alike) or "-"
-        rows.append([names, "\n".join(size), f"{100 * one.probability:.0f} %", alike, f"{100 * one.gap_share:.0f} %"])
+        rows.append([names, "\n".join(size), _chance(one.probability), alike, f"{100 * one.gap_share:.0f} %"])
     columns = ["effect", f"size {ONE_STD}", "probability", "not told apart from", "gap closed"]
     return f"<p>{WORDS['added']}</p>{_table(columns, rows, 'text')}" if rows else "<p>Nothing.</p>"
+
+
+def _chance(probability: float) -> str:
+    """A probability in per cent, of which none is certain."""
+    return f"{100 * probability:.0f} %" if probability < 0.99 else "> 99 %"
 
 
 def _valued(name: str, value: float, std: float, unit: str) -> str:
@@ -158,10 +180,11 @@ def _parameters(found: Diagnosis) -> str:
         [name, f"{nominal:.4g}", f"{one.value:.4g} ± {short(one.std)} {one.unit}", "yes" if one.identifiable else "no"]
         for name, (nominal, one) in found.file_parameters.items()
     ]
-    words = "Refitted beside what was added."
+    words = "Fitted together with what was added." if found.effects else "Refitted."
     if found.is_refused:
         words += " A refit predicts unseen stretches no better, and the file's values stay."
-    table = _table(["parameter", "in the file", f"refitted {ONE_STD}", "taught by these logs"], rows)
+    fitted = "extended" if found.effects else "refitted"
+    table = _table(["parameter", "in the file", f"{fitted} {ONE_STD}", "taught by these logs"], rows)
     return f"<p>{words}</p>{table}"
 
 
@@ -189,7 +212,7 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
         ["poses written twice, left out", f"{check.stale_poses}"],
         ["duration", f"{check.duration:.1f} s at {check.rate:.0f} Hz, longest gap {check.longest_gap:.3f} s"],
         ["noise of position, heading", f"{1e3 * check.noise.position:.2g} mm, {1e3 * check.noise.heading:.2g} mrad"],
-        ["noise of force, moment", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
+        ["noise of force, moment, sample to sample", f"{check.noise.force:.2g} N, {check.noise.moment:.2g} N·m"],
         [
             f"wrenches late by {ONE_STD}",
             f"{1e3 * late.value:.1f} ± {short(1e3 * late.std)} ms" if late else "not known",

@@ -61,7 +61,7 @@ def _likeliest(found: Diagnosis) -> str:
 
 
 def _beside(found: Diagnosis) -> str:
-    told = "".join(f" What is left may follow {law.words}." for law in found.withdrawn)
+    told = "".join(f" What is left may follow {law.words}." for law in found.may_follow)
     if found.is_refused:
         told += " A refit predicts unseen stretches no better than the file's values, which stay."
     if not found.nominal.is_pushed:

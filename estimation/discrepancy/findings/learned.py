@@ -123,7 +123,7 @@ class LearnedLaw:
             value = f"{effect.period:.3g} {self.unit}"
             return f"that repeats every {value}" + {
                 "time": "",
-                "travelled_distance": f" of the way rolled {self._side if effect.lever else ''}".rstrip(),
+                "travelled_distance": " of the way rolled" + " there" * bool(effect.lever),
                 "place": f" of the floor along {'y' if abs(np.sin(effect.direction)) > 0.5 else 'x'}",
             }.get(effect.of, f" of {variable_of(effect)}")
         name = variable_of(effect)
@@ -140,9 +140,6 @@ class LearnedLaw:
             wheel = f"the wheel {self._side}" if effect.lever else "a wheel"
             size = f"of radius {1e3 * period / TURN:.0f} mm: {period:.3g} m a turn"
             yield f"a flat spot, a bent rim or dirt on {wheel} {size}"
-            if len(effect.harmonics) > 1:
-                first = period / effect.harmonics[1]
-                yield f"on one of {1e3 * first / TURN:.0f} mm"
         elif effect.of == "time" and period:
             yield f"a second drive, a pump or a motor at {1 / period:.3g} Hz"
             if WALK[0] <= period <= WALK[1]:

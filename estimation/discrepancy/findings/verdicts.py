@@ -11,9 +11,9 @@ from ..search.model import Model
 from ..search.plausible import ODDS, law_objection, objection
 from ..search.search import least_gain, unseen
 
-ADDED = "added"
+ADDED, OTHER_SIZE = "added", "given another size"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
-ROUGHLY = "not fitted with all else: others gain more at first sight"
+ROUGHLY = "not fitted with all else: too many others gain more at first sight"
 
 
 def called(one: Attempt) -> str:
@@ -28,7 +28,8 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
         return ADDED if final is None else _kept(one, final)
     if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside what the forms of others may leave"
-        return f"gains {one.gain:.1f} nats{beside}, and {least:.1f} are needed"
+        why = " beside what gained most" * (least > WORTH)
+        return f"gains {round(one.gain, 1) + 0.0:.1f} nats{beside}, and {least:.1f} are needed{why}"
     if one.gain < SURE * one.error:
         return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"
     if odd := _objection(one):
@@ -43,8 +44,9 @@ def _kept(one: Attempt, final: Model) -> str:
         if any(law.kind == one.candidate.kind for law in final.laws):
             return ADDED
         return WITHDRAWN if one.candidate.period or not alike else f"added; in the end as {alike[0].key}"
-    is_there = isinstance(one.candidate, Refit) or one.key in {effect.key for effect in final.cart.effects}
-    return ADDED if is_there else WITHDRAWN
+    if isinstance(one.candidate, Refit):
+        return OTHER_SIZE
+    return ADDED if one.key in {effect.key for effect in final.cart.effects} else WITHDRAWN
 
 
 def _objection(one: Attempt) -> str:

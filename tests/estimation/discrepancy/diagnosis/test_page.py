@@ -9,19 +9,21 @@ from types import SimpleNamespace
 import numpy as np
 import pytest
 
-from cartgrasp.effects import DirectionalDrag, QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
+from cartgrasp.effects import DirectionalDrag, LearnedForce, QuadraticDrag, RollingResistance, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 from estimation.discrepancy.clock_offset import clock_offsets
+from estimation.discrepancy.diagnosis.diagnosis import Diagnosis
 from estimation.discrepancy.diagnosis.figures import figures
 from estimation.discrepancy.diagnosis.page import page
+from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
 from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, WITHDRAWN, verdict
 from estimation.discrepancy.log_check import checked, with_clock_offsets
 from estimation.discrepancy.search.attempts import Attempt, Step
-from estimation.discrepancy.search.laws import smooth_laws
+from estimation.discrepancy.search.laws import Law, smooth_laws
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.where.residual import residuals
 from estimation.discrepancy.where.residual_map import residual_maps
@@ -144,7 +146,7 @@ def test_every_interval_is_one_standard_deviation_and_says_so(text):
     assert head[1] == "size (± one standard deviation)"
     head, row = table(text, "parameter")
     assert row == ["mass", "24", "23.9 ± 0.12 kg", "yes"]
-    assert head[2] == "refitted (± one standard deviation)"
+    assert head[2] == "extended (± one standard deviation)"
     for rows in Tables(text).tables:
         for row in rows[1:]:
             for column, cell in enumerate(row):
@@ -203,6 +205,37 @@ def test_words_are_explained_where_they_stand_first_and_an_effect_stands_once(te
     assert [row[0] for row in added[1:]] == ["rolling_resistance"]
 
 
+@pytest.mark.parametrize(("of", "words"), [("time", "counts time from"), ("travelled_distance", "counts the way from")])
+def test_a_law_that_another_log_begins_elsewhere_is_said_to_be_of_this_one(diagnosis, of, words):
+    law = Law.free("force", LearnedForce("forward_force", of, period=1.5))
+    final = replace(diagnosis.final, laws=(law,)).refitted(diagnosis.final.cart)
+    found = SimpleNamespace(**vars(diagnosis) | {"final": final})
+    assert words in page(SimpleNamespace(diagnosis=found), {})
+    assert words not in page(SimpleNamespace(diagnosis=diagnosis), {})
+
+
+def test_no_name_is_certain(diagnosis):
+    sure = replace(diagnosis.effects[0], probability=0.9986)
+    found = SimpleNamespace(**vars(diagnosis) | {"effects": (sure,)})
+    assert table(page(SimpleNamespace(diagnosis=found), {}), "effect")[1][2] == "> 99 %"
+
+
+def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
+    """Though another form of what was added may make as much."""
+    balances = diagnosis.final.logs[0]
+    law = next(one for one in smooth_laws([balances.motion], CART) if one.name == "yaw rate")
+    less = Attempt(law, 9.0, 1, diagnosis.final)
+    gap = Gap(0.05, 0.05, 0.04, 0.01, {}, {})
+    for refused, told in ((Attempt(law, 86.4, 1, diagnosis.final, 13.0, 4.8), (law,)), (less, ())):
+        steps = (diagnosis.steps[0], Step((refused,), None, 20.0))
+        checks, final = tuple(diagnosis.checks), diagnosis.final
+        found = Diagnosis(CART, checks, (None,), diagnosis.nominal, final, steps, (0.9, 0.0), gap, False)
+        assert found.verdict == "partly_explained"
+        assert found.may_follow == told
+        assert found.unexplained["depends_on"] == [one.words for one in told]
+    assert replace(found, steps=diagnosis.steps[:1], shares=(0.9,)).may_follow == ()
+
+
 def test_a_verdict_is_what_the_numbers_say(diagnosis):
     """Each loses by its own rule, and the sentence tells the numbers of that rule."""
     final = diagnosis.final
@@ -218,7 +251,7 @@ def test_a_verdict_is_what_the_numbers_say(diagnosis):
         "gains 40.0 nats less than rolling_resistance",
     ]
     assert verdict(step, added, final.refitted(final.guess)) == WITHDRAWN
-    assert verdict(Step((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed"
+    assert verdict(Step((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed beside what gained most"
     assert verdict(Step((odd,), None, 10.0), odd).startswith("a delay of 0.002 s")
     assert verdict(Step((less,), None, 10.0), replace(less, model=None)) == ROUGHLY
     assert verdict(step, replace(more, model=None)) == ROUGHLY
