@@ -146,7 +146,9 @@ REASONS: dict[str, dict[str, str]] = {
         "FORM": "which motion is proposed",
         "MOST_TOLD": "words",
     },
-    "discrepancy.diagnosis.page": dict.fromkeys(("POLICY", "STYLE", "ONE_STD", "COMMANDS", "WORDS"), "of the page"),
+    "discrepancy.diagnosis.page": dict.fromkeys(
+        ("POLICY", "STYLE", "ONE_STD", "OWN", "COMMANDS", "WORDS"), "of the page"
+    ),
     "discrepancy.search.refine": {
         "HALVINGS": "effort",
         "EVALUATIONS": "effort",
@@ -212,7 +214,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.findings.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.findings.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.findings.verdicts": {"ADDED": "words", "WITHDRAWN": "words", "ROUGHLY": "words"},
+    "discrepancy.findings.verdicts": dict.fromkeys(("ADDED", "OTHER_SIZE", "WITHDRAWN", "ROUGHLY"), "words"),
     "discrepancy.where.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",

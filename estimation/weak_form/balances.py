@@ -12,7 +12,7 @@ not go sideways, its speed across the wheels is one more balance.
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property
 
@@ -73,7 +73,7 @@ class Balances:
         motion is as `motion_of` has it."""
         motion = motion_of(log, cart, told, samples_per_knot)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
-        wrenches, densities = GridWrenches.on(log, motion, late), _densities(log, told)
+        wrenches, densities = GridWrenches.on(log, motion, late), wrench_densities(log, told)
         return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(row_step)
 
     def every(self, row_step: float) -> Balances:
@@ -360,11 +360,12 @@ class Balances:
         return self.integrals.by_parts(aside)[..., None]
 
 
-def _densities(log: RunLog, told: FilterNoise | None) -> Array:
+def wrench_densities(log: RunLog, told: FilterNoise | None, averaged: Sequence[float] | None = None) -> Array:
+    """Roots of the densities (arms, 6) of the wrenches' noise (N/√Hz, N·m/√Hz), by means over blocks (s)."""
     if told is not None:
         one = np.sqrt(np.diagonal(told.wrench_covariance) * float(np.median(np.diff(log.time))))
         return np.tile(one, (len(log.arms), 1))
-    arms = [[noise_density(log.time, axis) for axis in arm.wrench.T] for arm in log.arms.values()]
+    arms = [[noise_density(log.time, axis, averaged) for axis in arm.wrench.T] for arm in log.arms.values()]
     return np.array(arms).reshape(-1, 6)
 
 

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import numpy as np
@@ -45,17 +46,17 @@ class MotionNoise:
         return cls(pose, rate)
 
 
-def noise_density(time: Array, channel: Array) -> float:
+def noise_density(time: Array, channel: Array, averaged: Sequence[float] | None = None) -> float:
     """Root of the density (unit/√Hz) of noise as slow as a test function sees it: of means over longer and longer
-    blocks, the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than it
-    is."""
+    blocks (s), the largest. Noise that is filtered, or held from sample to sample, looks quieter from row to row than
+    it is."""
     known = np.isfinite(channel)
     present = channel[known]
     if len(present) < 2:
         return 0.0
     step = float(np.median(np.diff(time[known])))
     densities = []
-    for length in AVERAGED:
+    for length in AVERAGED if averaged is None else averaged:
         size = max(1, round(length / step))
         count = len(present) // size
         means = present[: count * size].reshape(count, size).mean(axis=1)

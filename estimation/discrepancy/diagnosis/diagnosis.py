@@ -36,10 +36,10 @@ from ..findings.isolability import Isolability, isolability
 from ..findings.named import NamedEffect, doubted, named, named_stops
 from ..findings.rollouts import starts
 from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld, without
+from ..findings.verdicts import may_follow
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.attempts import Step
 from ..search.candidates import free_label
-from ..search.gains import WORTH
 from ..search.laws import Law, row_values
 from ..search.model import Model
 from ..search.search_in_band import at_rest, searched
@@ -200,13 +200,9 @@ class Diagnosis:
 
     @cached_property
     def may_follow(self) -> tuple[Law, ...]:
-        """Laws that what is left may follow: withdrawn ones, and, where something is left, the one that gained most in
-        the end, but for what the forms of others may make of it."""
-        if self.withdrawn or self.verdict not in ("unexplained", "partly_explained") or not self.steps:
-            return self.withdrawn
-        last = self.steps[-1].attempts if self.steps[-1].added is None else ()
-        near = [(one.gain, one.candidate) for one in last if one.model is not None and one.gain >= WORTH]
-        return tuple(law for _, law in near[:1] if isinstance(law, Law))
+        """Laws that what is left may follow: withdrawn ones, or else, where something is left, one that was refused."""
+        is_left = self.verdict in ("unexplained", "partly_explained")
+        return self.withdrawn or (may_follow(self.steps) if is_left else ())
 
     @property
     def warnings(self) -> tuple[str, ...]:

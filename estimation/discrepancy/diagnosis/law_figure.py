@@ -29,6 +29,7 @@ def law_figure(found: Diagnosis) -> Figure:
     """Figure of laws, a row for each."""
     laws = [law for _, law in found.certainty.laws]
     figure, axes = sides(len(laws), 2, 2.4)
+    wheels = [wheel.y for wheel in found.final.cart.wheels if wheel.y]
     for row, law in zip(axes, laws, strict=True):
         at, force, told = asked_forces(found, law)
         effect, unit, every = law.effect, law.effect.parameters[0].unit, slice(None, None, 1 + len(at) // MOST_DOTS)
@@ -41,7 +42,7 @@ def law_figure(found: Diagnosis) -> Figure:
         for ax, dots in zip(row, (force, force - told), strict=True):
             ax.plot(at[every], dots[every], ".", ms=2, color="0.6")
             ax.axhline(0, **ZERO)
-            there = " of the wheel" * bool(effect.lever and effect.of == "travelled_distance")
+            there = " of the wheel" * (effect.of == "travelled_distance" and effect.lever in wheels)
             ax.set_xlabel(f"{variable_of(effect)}{there} ({law.unit}){', folded' if effect.cycle else ''}")
         row[0].plot(curve, value, color=KINDS["extended"], lw=1.5)
         row[0].fill_between(curve, value - std, value + std, color=KINDS["extended"], alpha=0.3, lw=0)

@@ -33,9 +33,9 @@ svg { max-width: 100%; height: auto; }
 """
 ONE_STD = "(± one standard deviation)"
 OWN = {
-    "time": "The law counts time from this log's begin: another log begins at another phase, and tells its own.",
-    "travelled_distance": "The law counts the way from where this log began: another log begins at another turn of the "
-    "wheel, and tells its own.",
+    "time": "Its law of time counts by this log's clock: another log tells its own.",
+    "travelled_distance": "Its law of the way counts from where this log began: another log begins at another turn of "
+    "a wheel, and tells its own.",
 }
 """What is said of laws that several logs share only if they begin alike."""
 COMMANDS = """cartgrasp discrepancy NEXT_LOG.csv --cart cart.yaml --out next
@@ -108,12 +108,12 @@ def _next(found: Diagnosis) -> str:
         f"cart.yaml beside this page is {what}. Every command takes it. In this folder, the first of these holds it "
         "against your next log, and the second simulates it:"
     )
-    if counted := [law for law in found.final.laws if law.of in OWN]:
-        use = f"{OWN[counted[0].of]} {use}"
+    own = dict.fromkeys(OWN[law.of] for law in found.final.laws if law.of in OWN)
     sensors = f"<p>Look at this first: where a sensor is wrong, so is all below.</p>{_list(found.warnings)}"
     words = found.next_experiment.words
     drive = WORDS["drive"] if words else "Nothing is left open."
-    return f"{sensors if found.warnings else ''}<p>{use}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
+    told = f"<p>{' '.join((*own, use))}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
+    return sensors + told if found.warnings else told
 
 
 def _drawn(drawn: dict[str, str], name: str) -> str:

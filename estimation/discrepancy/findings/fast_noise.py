@@ -1,11 +1,14 @@
 """Noise of wrenches as slow as a rollout feels it, read off what a model leaves.
 
 A sensor's noise may remember for tens of milliseconds (filters, held samples, a trembling hand): from sample to sample
-it looks quieter than it is over a second. Third differences of rows see what is faster than a hertz or so, where such
-noise is all but white and what a model lacks is slow.
+it looks quieter than it is over a second. And a force that changes fast is no noise of the sensor that tells it. Third
+differences of rows see what is faster than a hertz or so, where such noise is nearly white and what a model lacks is
+slow.
 """
 
 from __future__ import annotations
+
+from dataclasses import replace
 
 import numpy as np
 
@@ -13,11 +16,11 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ...log_noise.log_noise import MAD_TO_STD
-from ...weak_form.balances import Balances
+from ...weak_form.balances import Balances, wrench_densities
 from ...weak_form.rows import motion_noise, wrench_noise
 
 ROW_STEP = 0.2
-"""Step (s) of the rows: their third differences pass 1 to 2 Hz."""
+"""Step (s) of the rows: their third differences pass 1.2 to 2.3 Hz."""
 THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
 MOST = 3.0
 """Largest multiple of the sensors' own noise, as differences of samples tell it: of noise that remembers for 50 ms
@@ -27,7 +30,8 @@ FEWEST = 20
 
 
 def fast_noise(balances: Balances, cart: CartModel) -> Array:
-    """Root of the density (f,; N/√Hz, N·m/√Hz) of the reduced wrench's noise."""
+    """Root of the density (f,; N/√Hz, N·m/√Hz) of the reduced wrench's noise: at least what differences of samples
+    tell."""
     known, rows = wrench_noise(balances, cart), balances.every(ROW_STEP)
     following = rows.used[3:] - rows.used[:-3] == 3
     if following.sum() < FEWEST:
@@ -36,7 +40,9 @@ def fast_noise(balances: Balances, cart: CartModel) -> Array:
     differences = np.diff(rows.residual(cart)[0][:, :f], 3, axis=0)[following]
     moved, order = motion_noise(rows, cart)
     variance = (MAD_TO_STD * np.median(np.abs(differences), axis=0)) ** 2 - moved**2 * _passed(rows, order)
-    return np.asarray(np.clip(np.sqrt(np.maximum(variance / _passed(rows, 0), 0.0)), known, MOST * known))
+    samples = replace(balances, wrench_densities=wrench_densities(balances.log, balances.told, averaged=(0.0,)))
+    least = wrench_noise(samples, cart)
+    return np.asarray(np.clip(np.sqrt(np.maximum(variance / _passed(rows, 0), 0.0)), least, MOST * known))
 
 
 def _passed(balances: Balances, order: int) -> float:

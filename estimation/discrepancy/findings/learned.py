@@ -113,6 +113,11 @@ class LearnedLaw:
         return FORCES[effect.acts_on] + where
 
     @property
+    def _of_wheel(self) -> str:
+        """Which wheel's way it is, where it is one's."""
+        return f" {'there' if self.effect.acts_on in AT_A_LEVER else self._side}" if self.effect.lever else ""
+
+    @property
     def _side(self) -> str:
         return f"{abs(self.effect.lever):.2g} m to the {'left' if self.effect.lever > 0 else 'right'}"
 
@@ -123,7 +128,7 @@ class LearnedLaw:
             value = f"{effect.period:.3g} {self.unit}"
             return f"that repeats every {value}" + {
                 "time": "",
-                "travelled_distance": " of the way rolled" + " there" * bool(effect.lever),
+                "travelled_distance": f" of the way rolled{self._of_wheel}",
                 "place": f" of the floor along {'y' if abs(np.sin(effect.direction)) > 0.5 else 'x'}",
             }.get(effect.of, f" of {variable_of(effect)}")
         name = variable_of(effect)

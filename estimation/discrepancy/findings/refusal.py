@@ -1,5 +1,6 @@
 """Whether a refit foretells stretches that it did not see worse than the first guess: then it is no better, whatever
-its likelihood says."""
+its likelihood says. And whether one model foretells them better than another: stretch by stretch, that shows long
+before either is farther off than noise."""
 
 from __future__ import annotations
 
@@ -38,6 +39,14 @@ def refused(model: Model, guess: CartModel) -> str:
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
         f"{HORIZONS[HORIZON]:g} s, not {1e3 * before:.1f} mm; the first guess stays"
     )
+
+
+def foretells_better(model: Model, less: Model) -> bool:
+    """Whether a model's rollouts are surely nearer to unseen stretches than those of another, with which it shares
+    rows."""
+    squares, block = _squares(model, fold_carts(less))
+    score = _score(squares[:, 0] - squares[:, 1], block) if len(squares) else None
+    return score is not None and score > SURE
 
 
 def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:

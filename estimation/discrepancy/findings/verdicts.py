@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
+
 from cartgrasp.effects import Effect
 
 from ..search.attempts import Attempt, Refit, Step
@@ -35,6 +37,14 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     if odd := _objection(one):
         return odd
     return ROUGHLY if step.added is None else _beside(one, step.added)
+
+
+def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
+    """The law that gained most in the end, and was refused for nothing but what the forms of others may make."""
+    last = steps[-1].attempts if steps and steps[-1].added is None else ()
+    near = [one for one in last if one.model is not None and one.gain >= WORTH][:1]
+    sure = (one for one in near if one.gain >= SURE * one.error)
+    return tuple(one.candidate for one in sure if isinstance(one.candidate, Law) and not _objection(one))
 
 
 def _kept(one: Attempt, final: Model) -> str:

@@ -14,6 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
 from ...weak_form.balances import Balances
+from ...weak_form.integrals import THIN
 from .course import Course
 from .laws import AT_HANDS, Law, both_ways
 
@@ -21,7 +22,7 @@ SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
 OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
 HARMONICS = (1, 2, 4, 8)
-"""Numbers of harmonics of a law: a pulse has more of the higher ones than of the first."""
+"""Numbers of harmonics of a law: a pulse to and fro has more of the higher ones than of the first."""
 OVERSAMPLED = 8
 """Points of a Fourier transform's grid in the shortest period of a harmonic."""
 KNOWN, LIKELY = 24, 16
@@ -30,12 +31,14 @@ KNOWN, LIKELY = 24, 16
 
 @dataclass(frozen=True, eq=False)
 class Scan:
-    """Scan of forces like one of a law, over a variable of a course, with frequencies (v,) that increase."""
+    """Scan of forces like one of a law, over a variable of a course, with frequencies (v,) that increase; `highest` is
+    the highest of a harmonic."""
 
     variable: str
     effect: LearnedForce
     place: str
     frequencies: Array
+    highest: float
 
     def law(self, period: float, harmonics: int = 1, has_mean: bool = False) -> Law:
         """Law of so many harmonics, about nought or a mean."""
@@ -72,11 +75,6 @@ class Scan:
         """From one frequency to the next."""
         return float(self.frequencies[1] - self.frequencies[0])
 
-    @property
-    def highest(self) -> float:
-        """The highest frequency of a harmonic."""
-        return float(HARMONICS[-1] * self.frequencies[-1])
-
     def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> tuple[Array, Array]:
         """How much pulls (n, f) of the residual on forces and moments along the courses go with each of frequencies
         (v,), up to the highest, and these: by a fast Fourier transform of pulls over the variable, each shared by the
@@ -91,17 +89,20 @@ class Scan:
             signal = (pull * self._unit(course, pull.shape[1])).sum(axis=1)
             for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
                 total += np.bincount(where % count, weights=signal * share, minlength=count)
-        return np.asarray(np.abs(np.fft.rfft(total)) ** 2), np.asarray(np.fft.rfftfreq(count, step), dtype=float)
+        frequencies = np.asarray(np.fft.rfftfreq(count, step), dtype=float)
+        frequencies = frequencies[frequencies <= self.highest]
+        return np.asarray(np.abs(np.fft.rfft(total)[: len(frequencies)]) ** 2), frequencies
 
     def combs(self, gains: Array, frequencies: Array) -> list[tuple[float, float, int]]:
         """Gains, frequencies and numbers of harmonics at which the sum of harmonics' own gains (v,) at frequencies (v,)
-        is larger than at both neighbours: a harmonic's peak is as many times narrower as its number says."""
+        is as large as at both neighbours: a harmonic's peak is as many times narrower as its number says."""
         found = list[tuple[float, float, int]]()
         for harmonics in HARMONICS:
-            each = np.arange(self.frequencies[0], self.frequencies[-1], self.spacing / harmonics)
-            total = sum(np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1))
-            beside = np.pad(total, 1, constant_values=-np.inf)
-            peaks = np.flatnonzero((total >= beside[:-2]) & (total >= beside[2:]))
+            most = min(float(self.frequencies[-1]), self.highest / harmonics)
+            each = np.arange(self.frequencies[0], most, self.spacing / harmonics)
+            total = np.zeros(len(each)) + sum(np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1))
+            inside = total[1:-1]
+            peaks = 1 + np.flatnonzero((inside >= total[:-2]) & (inside >= total[2:]))
             found += [(float(total[i]), float(each[i]), harmonics) for i in peaks]
         return found
 
@@ -118,8 +119,9 @@ class Scan:
         return found
 
 
-def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> list[Scan]:
-    """Scans that a motion allows: periods of which it saw two at least; with a lever of the hands' (m; none: 0)."""
+def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0, resolved: float = 0.5) -> list[Scan]:
+    """Scans that a motion allows: periods of which it saw two at least, and waves of which `resolved` turns at most go
+    by from one point of it to the next; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
     levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
     for variable, direction, least, most in SCANNED:
@@ -139,8 +141,10 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0) -> lis
             places += [(replace(force, lever=y), f"force at the wheel at y = {y:g} m")]
             places += [(replace(force, acts_on="yaw_moment", lever=y), f"moment of the wheel at y = {y:g} m")]
         frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
-        if len(frequencies) > 1:
-            found += [Scan(variable, effect, place, frequencies) for effect, place in places]
+        fastest = max(float(np.abs(np.gradient(getattr(c, variable))).max()) for c in courses)
+        highest = min(HARMONICS[-1] / least, resolved / max(fastest, 1e-12))
+        if len(frequencies) > 1 and highest > 2 * frequencies[0]:
+            found += [Scan(variable, effect, place, frequencies, highest) for effect, place in places]
     return found
 
 
@@ -153,33 +157,34 @@ def scanned(
     cart: CartModel,
     pulls: Sequence[Array],
     gain: Callable[[Array, Array], Array],
-    whitened: Callable[[Sequence[Array]], Array],
+    scaled: Callable[[Sequence[Array]], Array],
     hands: float = 0.0,
-) -> tuple[list[Found], int]:
-    """Best period in each scan, and the number of those scanned. It is among those of which the powers of all harmonics
-    are largest for the information that whitened columns have."""
-    found, count = list[Found](), 0
-    courses = [Course.along(balances.motion) for balances in logs]
+) -> tuple[list[list[Found]], int]:
+    """In each scan the best period for each number of harmonics, and the number of periods scanned. They are among
+    those of which the powers of all harmonics gain most for the information that whitened columns in units of their
+    noise (`scaled`) have."""
+    found, count = list[list[Found]](), 0
+    courses = [replace(Course.along(balances.motion), time=balances.motion.time) for balances in logs]
+    resolved = min(1 / THIN - balances.motion.step / balances.row_step for balances in logs)  # no wave passes for slow
 
     def columns(scan: Scan, frequencies: Array, harmonics: int) -> Array:
-        """Whitened columns (v, k, c, 2 h)."""
+        """Whitened columns (v, k, c, 2 h) in units of their noise."""
         raw = [scan.columns(frequencies, harmonics, course, b, cart) for course, b in zip(courses, logs, strict=True)]
-        white = whitened([one.reshape(*one.shape[:2], -1) for one in raw])
+        white = scaled([one.reshape(*one.shape[:2], -1) for one in raw])
         return np.moveaxis(white.reshape(*white.shape[:2], len(frequencies), 2 * harmonics), 2, 0)
 
-    for scan in scans(courses, cart, hands):
+    for scan in scans(courses, cart, hands, resolved):
         std = scan.effect.parameters[0].typical
         power, frequencies = scan.power(courses, pulls)
         known = np.geomspace(scan.frequencies[0], scan.highest, KNOWN)
         information = np.interp(frequencies, known, (columns(scan, known, 1) ** 2).sum(axis=(1, 2, 3)))
         own = power / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
-        combs = sorted(scan.combs(own, frequencies), reverse=True)[:LIKELY]
         count += len(scan.frequencies) * sum(HARMONICS)
-        best = list[Found]()
-        for harmonics in {harmonics for _, _, harmonics in combs}:
-            chosen = np.array([frequency for _, frequency, each in combs if each == harmonics])
-            gains = gain(columns(scan, chosen, harmonics), np.full(2 * harmonics, std))
-            at = int(np.argmax(gains))
-            best.append((float(gains[at]), scan, float(1 / chosen[at]), harmonics))
-        found += sorted(best, key=lambda one: -one[0])[:1]
+        best = dict[int, Found]()
+        for _, frequency, harmonics in sorted(scan.combs(own, frequencies), reverse=True)[:LIKELY]:
+            gained = float(gain(columns(scan, np.array([frequency]), harmonics), np.full(2 * harmonics, std))[0])
+            if harmonics not in best or gained > best[harmonics][0]:
+                best[harmonics] = gained, scan, 1 / frequency, harmonics
+        if best:
+            found.append(sorted(best.values(), key=lambda one: -one[0]))
     return found, count

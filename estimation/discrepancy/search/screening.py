@@ -3,7 +3,7 @@ of time, places by sums over cells of the floor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import combinations, product
 
@@ -20,7 +20,7 @@ from ...weak_form.score import log_evidence
 from .candidates import Family, amplitudes_of
 from .laws import Law, seen_values, smooth_laws
 from .model import Model
-from .periods import HARMONICS, scanned
+from .periods import scanned
 
 KEPT = 3
 """Variants of a candidate whose score is worked out."""
@@ -68,7 +68,15 @@ class Screen:
 
     def gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
         """Log of the Bayes factor (v,), about, of variants' whitened columns (v, k, c, q)."""
-        own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
+        return self._scaled_gains(columns / self._scale[:, None], std, one_sided)
+
+    def _scaled(self, columns: Sequence[Array]) -> Array:
+        """Columns (k, c, q) whitened, in units of their noise."""
+        return np.asarray(self.model.whitened(columns) / self._scale[:, None])
+
+    def _scaled_gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
+        """As `gains`, of columns in units of their noise."""
+        own = columns.reshape(len(columns), -1, columns.shape[3])
         across = own.swapaxes(1, 2)
         products = across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel()
         return self._factor(products, std, one_sided)
@@ -194,12 +202,12 @@ class Screen:
         """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
         model = self.model
         yield from ((law, 1) for law in self.smooth_laws())
-        periods, count = scanned(model.logs, model.cart, self._pulls, self.gains, model.whitened, self._hands)
-        periods.sort(key=lambda one: -one[0])
-        for _, scan, period, harmonics in periods[:KEPT]:
-            best = float(self.tuned(scan.law(period, harmonics)).period or period)
-            for each, has_mean in product(HARMONICS, (False, True)):
-                yield scan.law(best, each, has_mean), count
+        scans, count = scanned(model.logs, model.cart, self._pulls, self._scaled_gains, self._scaled, self._hands)
+        scans.sort(key=lambda best: -best[0][0])
+        for _, scan, period, harmonics in (one for best in scans[:KEPT] for one in best):
+            law = self.tuned(scan.law(period, harmonics))
+            for has_mean in (False, True):
+                yield scan.law(law.period or period, harmonics, has_mean), count
 
     def smooth_laws(self) -> list[Law]:
         """Laws of what varies slowly that the model does not have."""
@@ -231,9 +239,10 @@ class Screen:
 
     def tuned(self, law: Law) -> Law:
         """The law at the period nearby that gains most."""
-        if law.period is None:
+        highest = max(law.effects[0].harmonics) if law.period else 0.0
+        if law.period is None or not highest:
             return law
-        width = NEARBY * law.period / (self._cycles(law) * max(law.effects[0].harmonics))
+        width = NEARBY * law.period / (self._cycles(law) * highest)
         best = minimize_scalar(
             lambda period: -self.of_law(law.repeating(period)),
             bounds=(law.period - width, law.period + width),

@@ -17,6 +17,7 @@ from estimation.discrepancy.clock_offset import clock_offsets
 from estimation.discrepancy.diagnosis.diagnosis import Diagnosis
 from estimation.discrepancy.diagnosis.figures import figures
 from estimation.discrepancy.diagnosis.page import page
+from estimation.discrepancy.findings import verdicts
 from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
@@ -205,7 +206,9 @@ def test_words_are_explained_where_they_stand_first_and_an_effect_stands_once(te
     assert [row[0] for row in added[1:]] == ["rolling_resistance"]
 
 
-@pytest.mark.parametrize(("of", "words"), [("time", "counts time from"), ("travelled_distance", "counts the way from")])
+@pytest.mark.parametrize(
+    ("of", "words"), [("time", "by this log's clock"), ("travelled_distance", "of the way counts from")]
+)
 def test_a_law_that_another_log_begins_elsewhere_is_said_to_be_of_this_one(diagnosis, of, words):
     law = Law.free("force", LearnedForce("forward_force", of, period=1.5))
     final = replace(diagnosis.final, laws=(law,)).refitted(diagnosis.final.cart)
@@ -220,13 +223,16 @@ def test_no_name_is_certain(diagnosis):
     assert table(page(SimpleNamespace(diagnosis=found), {}), "effect")[1][2] == "> 99 %"
 
 
-def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
+def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis, monkeypatch):
     """Though another form of what was added may make as much."""
     balances = diagnosis.final.logs[0]
     law = next(one for one in smooth_laws([balances.motion], CART) if one.name == "yaw rate")
     less = Attempt(law, 9.0, 1, diagnosis.final)
     gap = Gap(0.05, 0.05, 0.04, 0.01, {}, {})
-    for refused, told in ((Attempt(law, 86.4, 1, diagnosis.final, 13.0, 4.8), (law,)), (less, ())):
+    with_law = replace(diagnosis.final, laws=(law,)).refitted(diagnosis.final.cart)
+    monkeypatch.setattr(verdicts, "law_objection", lambda forces, motions: "")
+    sure, unsteady = (Attempt(law, 86.4, 1, with_law, error, 4.8) for error in (13.0, 80.0))
+    for refused, told in ((sure, (law,)), (less, ()), (unsteady, ())):
         steps = (diagnosis.steps[0], Step((refused,), None, 20.0))
         checks, final = tuple(diagnosis.checks), diagnosis.final
         found = Diagnosis(CART, checks, (None,), diagnosis.nominal, final, steps, (0.9, 0.0), gap, False)
@@ -234,6 +240,8 @@ def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
         assert found.may_follow == told
         assert found.unexplained["depends_on"] == [one.words for one in told]
     assert replace(found, steps=diagnosis.steps[:1], shares=(0.9,)).may_follow == ()
+    monkeypatch.setattr(verdicts, "law_objection", lambda forces, motions: "it would drive the cart")
+    assert verdicts.may_follow((Step((sure,), None, 20.0),)) == ()
 
 
 def test_a_verdict_is_what_the_numbers_say(diagnosis):

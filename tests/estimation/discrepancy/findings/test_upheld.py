@@ -6,6 +6,9 @@ import numpy as np
 import pytest
 
 from cartgrasp.effects import FloorSlope, LearnedForce, LoadSlosh, RollingResistance
+from estimation.discrepancy.findings import upheld as module
+from estimation.discrepancy.findings.held_out import held_out_rollouts
+from estimation.discrepancy.findings.refusal import foretells_better
 from estimation.discrepancy.findings.upheld import closes_most, upheld, within_bracket
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
@@ -13,6 +16,7 @@ from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import Band
 
 from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
+from ..search.test_laws import CART, resisted, rolled
 
 LOAD = 0.25 * RAIL_MASS
 WEIGHT, FORWARD = 9.81 * RAIL_MASS, np.eye(6)[0]
@@ -37,6 +41,31 @@ def test_a_slope_closes_a_gap_where_there_is_one(grade):
     more = model.refitted(model.cart.with_effect(FloorSlope())).settled()
     assert closes_most(model, more) == (grade != 0.0)
     assert not closes_most(more, more)
+
+
+def flat_spot(force):
+    """A log in which one wheel's flat spot takes so much (N) at most."""
+
+    def taken(time, truth):
+        turn = (rolled(time, truth[:, 3] - 0.2 * truth[:, 4]) / 0.45) % 1.0
+        return np.where(turn < 0.4, force * np.sin(2 * np.pi * turn / 0.4), 0.0)
+
+    return resisted(taken, 3, 90.0, moment=lambda time, truth: -0.2 * taken(time, truth))
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(("force", "is_told"), [(0.0, False), (12.0, True)])
+def test_a_law_within_noise_stays_if_stretches_are_surely_foretold_better(monkeypatch, force, is_told):
+    """What noise would do is said to be as much as what is left without the law."""
+    nominal = Model.started([Balances.of(flat_spot(force), CART)], CART)
+    wheel = LearnedForce(of="travelled_distance", lever=0.2, period=0.45, harmonics=(1, 2, 3, 4))
+    found = replace(nominal, laws=(Law.free("of the wheel", wheel),)).refitted(nominal.cart).settled()
+    monkeypatch.setattr(module, "floor_rollouts", lambda model: held_out_rollouts(nominal))
+    final, withdrawn = upheld(found, nominal, (), (None,))
+    assert bool(final.laws) == is_told
+    assert bool(withdrawn) != is_told
+    assert foretells_better(found, nominal) == is_told
+    assert not foretells_better(nominal, found)
 
 
 @pytest.mark.parametrize(("share", "is_told"), [(0.05, False), (0.5, True)])

@@ -138,7 +138,9 @@ def test_what_holds_whenever_a_cart_moves_is_not_told():
 def test_what_repeats_is_told_first_with_its_period(period):
     """A wave of which a second and more is one period, against its own formula."""
     found = circumstances(6)
-    law = Scan("time", LearnedForce("forward_force", "time", period=1.0), "force", np.array([0.5, 0.6])).law(period)
+    law = Scan("time", LearnedForce("forward_force", "time", period=1.0), "force", np.array([0.5, 0.6]), 4.8).law(
+        period
+    )
     one = residual(found, 3.0 * np.sin(2 * np.pi * found.time / period))
     (told,) = repeats(one, found.time, law)
     assert f"repeats every {period:g} s of time" in told.condition
