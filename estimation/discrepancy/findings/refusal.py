@@ -49,6 +49,14 @@ def foretells_better(model: Model, less: Model) -> bool:
     return score is not None and score > SURE
 
 
+def is_beyond(model: Model, floor: float) -> bool:
+    """Whether a model's rollouts are surely farther from unseen stretches than noise takes them (m); where too little
+    moves to tell, that they are farther is enough."""
+    squares, block = _squares(model, fold_carts(model))
+    score = _score(squares[:, 1] - floor**2, block) if len(squares) else None
+    return score is None or score > SURE
+
+
 def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:
     """Squares of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it.
     Beside them the blocks (n,) to which they belong."""

@@ -17,7 +17,7 @@ from .certainty import Certainty
 from .gap import BEYOND_NOISE, CLOSED
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .named import faded
-from .refusal import WORSE, foretells_better
+from .refusal import WORSE, foretells_better, is_beyond
 from .rivals import undecided
 from .rollouts import Rollouts
 
@@ -31,8 +31,8 @@ def upheld(
     """The model without what does not hold, and the laws that were withdrawn. First go effects of which next to nothing
     is left, and loads that what nobody recorded may look like. Then go laws that close next to nothing of the gap, or a
     tenth of its size where they surely foretell stretches better, for rollouts of both share the noise. Last additions
-    go while unseen stretches are predicted no better with them than by what is known, or refitted, and farther off than
-    noise."""
+    go while unseen stretches are predicted no better with them than by what is known, or refitted, and surely farther
+    off than noise."""
     final = without(final, (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)))
     laws = final.laws
     if not (laws or added(final)):
@@ -46,7 +46,7 @@ def upheld(
         is_much = bare**2 > max(error, floor) ** 2 + CLOSED * whole
         if not (is_much or (bare**2 > error**2 + LEAST_SIZE**2 * whole and foretells_better(final, less))):
             final, error = less, bare
-    while (final.laws or added(final)) and error >= max(_most(final, best), floor):
+    while (final.laws or added(final)) and error >= max(_most(final, best), floor) and is_beyond(final, floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
         error = rollout_error(held_out_rollouts(final))

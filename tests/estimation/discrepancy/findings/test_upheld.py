@@ -8,8 +8,8 @@ import pytest
 from cartgrasp.effects import FloorSlope, LearnedForce, LoadSlosh, RollingResistance
 from estimation.discrepancy.findings import upheld as module
 from estimation.discrepancy.findings.held_out import held_out_rollouts
-from estimation.discrepancy.findings.refusal import foretells_better
-from estimation.discrepancy.findings.upheld import closes_most, upheld, within_bracket
+from estimation.discrepancy.findings.refusal import foretells_better, is_beyond
+from estimation.discrepancy.findings.upheld import closes_most, rollout_error, upheld, within_bracket
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -66,6 +66,15 @@ def test_a_law_within_noise_stays_if_stretches_are_surely_foretold_better(monkey
     assert bool(withdrawn) != is_told
     assert foretells_better(found, nominal) == is_told
     assert not foretells_better(nominal, found)
+
+
+def test_what_is_farther_off_than_noise_has_to_be_so_surely():
+    """A mean of squares over some dozen stretches is known to a tenth or two."""
+    model = Model.started([Balances.of(flat_spot(12.0), CART)], CART)
+    error = rollout_error(held_out_rollouts(model))
+    assert is_beyond(model, error / 2)
+    assert not is_beyond(model, 0.95 * error)
+    assert not is_beyond(model, 2 * error)
 
 
 @pytest.mark.parametrize(("share", "is_told"), [(0.05, False), (0.5, True)])
