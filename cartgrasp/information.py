@@ -55,7 +55,7 @@ def reduced_noise(cart: CartModel, points: ArrayLike, noise: WrenchNoise, yaws: 
 
 def parameter_regressor(cart: CartModel, state: Array, acceleration: Array, time: float = 0.0) -> Array:
     """Partials (..., k, p) of `cart.required_wrench` by `cart.parameters`, at states (..., n) and nu' (..., k)."""
-    return cart.inverse_by_parameters(state, acceleration, time)[1]
+    return cart.inverse_by_parameters(state, acceleration, time=time)[1]
 
 
 def fisher_information(regressor: Array, noise: Array) -> Array:

@@ -136,9 +136,11 @@ class CartModel(CartStructure):
         point = self._point(state, parameters, time)
         return InverseDynamics(*self.dynamics.inverse(point, np.asarray(acceleration), self._foreign(point)))
 
-    def inverse_by_parameters(self, state: Array, acceleration: Array, time: Any = 0.0) -> tuple[Array, Array]:
+    def inverse_by_parameters(
+        self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
+    ) -> tuple[Array, Array]:
         """The reduced wrench (..., f) and its partials (..., f, p) by the parameters, for less time than `inverse`."""
-        point = self._point(state, None, time)
+        point = self._point(state, parameters, time)
         wrench, _, slopes = self.dynamics.taught(point, np.asarray(acceleration), self._foreign(point))
         return wrench, slopes
 
@@ -146,7 +148,7 @@ class CartModel(CartStructure):
         self, state: Array, acceleration: Array, parameters: Array | None = None, time: Any = 0.0
     ) -> Array:
         """Inverse dynamics: the reduced wrench `Sᵀ wrench_b`, (..., n_free), that gives nu' = `acceleration`."""
-        return self.inverse(state, acceleration, parameters, time).wrench
+        return self.inverse_by_parameters(state, acceleration, parameters, time)[0]
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""

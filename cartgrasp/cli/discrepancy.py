@@ -76,7 +76,7 @@ def _print(found: Diagnosis, is_written: bool) -> None:
         more = len(found.where) - MOST_WHERE
         print(f"  and {more} more condition{'s' * (more > 1)}, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
-        print(f"  what is left follows {follows}")
+        print(f"  what is left may follow {follows}")
     _print_impacts(found)
     rows = [
         [f"after {horizon}", *(f"{1e3 * values[k]:.1f}" for k in ("before", "refitted", "after", "noise_floor"))]

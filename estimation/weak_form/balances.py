@@ -334,7 +334,7 @@ class Balances:
 
     def _inverse(self, cart: CartModel, state: Array, at: slice | np.ndarray) -> tuple[Array, Array]:
         """The reduced wrench and its slopes along the smooth motion alone, of states at points of the grid."""
-        return cart.inverse_by_parameters(state[at], self.motion.smooth_acceleration[at], self.motion.time[at])
+        return cart.inverse_by_parameters(state[at], self.motion.smooth_acceleration[at], time=self.motion.time[at])
 
     @cached_property
     def _reference_noise(self) -> Array:

@@ -106,7 +106,7 @@ def test_what_parameters_change_alone_is_that_of_all_partials():
     states_ = CART.state(velocity=[0.5, 0.1]) + 0.1 * generator.normal(size=(7, len(CART.state())))
     accelerations = generator.normal(size=(7, 2))
     whole = CART.inverse(states_, accelerations, time=2.5)
-    wrench, by_parameters = CART.inverse_by_parameters(states_, accelerations, 2.5)
+    wrench, by_parameters = CART.inverse_by_parameters(states_, accelerations, time=2.5)
     np.testing.assert_array_equal(wrench, whole.wrench)
     np.testing.assert_array_equal(by_parameters, whole.by_parameters)
     with pytest.raises(UsageError, match="acceleration has 3 numbers, but this cart's has 2"):

@@ -33,8 +33,8 @@ svg { max-width: 100%; height: auto; }
 """
 ONE_STD = "(± one standard deviation)"
 OWN = {
-    "time": "Its law of time counts by this log's clock: another log tells its own.",
-    "travelled_distance": "Its law of the way counts from where this log began: another log begins at another turn of "
+    "time": "The law of time counts by this log's clock: another log tells its own.",
+    "travelled_distance": "The law of the way counts from where this log began: another log begins at another turn of "
     "a wheel, and tells its own.",
 }
 """What is said of laws that several logs share only if they begin alike."""
@@ -109,11 +109,11 @@ def _next(found: Diagnosis) -> str:
         "against your next log, and the second simulates it:"
     )
     own = dict.fromkeys(OWN[law.of] for law in found.final.laws if law.of in OWN)
-    sensors = f"<p>Look at this first: where a sensor is wrong, so is all below.</p>{_list(found.warnings)}"
+    first = "<p>Look at this first: where a sensor is wrong, so is all below.</p>" if found.warnings else ""
     words = found.next_experiment.words
     drive = WORDS["drive"] if words else "Nothing is left open."
     told = f"<p>{' '.join((*own, use))}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
-    return sensors + told if found.warnings else told
+    return first + _list(found.warnings) + told
 
 
 def _drawn(drawn: dict[str, str], name: str) -> str:

@@ -4,8 +4,6 @@ before either is farther off than noise."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
 from cartgrasp.errors import DataError
@@ -14,8 +12,8 @@ from cartgrasp.model import CartModel
 
 from ..search.model import Model
 from .gap import BEYOND_NOISE
-from .held_out import FOLDS, floor_rollouts, fold_carts, fold_starts
-from .rollouts import HORIZONS, rollouts
+from .held_out import floor_rollouts, fold_starts, held_out_rollouts
+from .rollouts import HORIZONS, Rollouts, joined, rollouts
 
 WORSE = 1.05
 """Largest error of a refit, as a multiple of the first guess's, where too little moves to tell a standard error."""
@@ -28,9 +26,14 @@ HORIZON = 1
 
 def refused(model: Model, guess: CartModel) -> str:
     """Why the refit is no use; empty where it is of use, or too little moves to tell."""
-    squares, block = _squares(model, [guess] * FOLDS)
-    before, after = np.sqrt(squares.mean(axis=0)) if len(squares) else (0.0, 0.0)
-    score = _score(squares[:, 1] - squares[:, 0], block)
+    block = _blocks(model)
+    if not len(block):
+        return ""
+    with np.errstate(all="ignore"):  # what runs away is told by its squares
+        of_guess = joined([rollouts(balances, guess, first) for balances, _, first in fold_starts(model)])
+        squares = [_squares(model, rolled) for rolled in (of_guess, held_out_rollouts(model))]
+    before, after = (float(np.sqrt(one.mean())) for one in squares)
+    score = _score(squares[1] - squares[0], block)
     if after <= WORSE * before if score is None else score < SURE:
         return ""
     if after <= BEYOND_NOISE * floor_rollouts(model).gaps()[HORIZON]:  # no farther off than noise takes a right one
@@ -42,37 +45,36 @@ def refused(model: Model, guess: CartModel) -> str:
 
 
 def foretells_better(model: Model, less: Model) -> bool:
-    """Whether a model's rollouts are surely nearer to unseen stretches than those of another, with which it shares
-    rows."""
-    squares, block = _squares(model, fold_carts(less))
-    score = _score(squares[:, 0] - squares[:, 1], block) if len(squares) else None
+    """Whether a model's rollouts are surely nearer to unseen stretches than those of another of the same logs."""
+    far, near = (_squares(one, held_out_rollouts(one)) for one in (less, model))
+    score = _score(far - near, _blocks(model))
     return score is not None and score > SURE
 
 
 def is_beyond(model: Model, floor: float) -> bool:
     """Whether a model's rollouts are surely farther from unseen stretches than noise takes them (m); where too little
     moves to tell, that they are farther is enough."""
-    squares, block = _squares(model, fold_carts(model))
-    score = _score(squares[:, 1] - floor**2, block) if len(squares) else None
+    score = _score(_squares(model, held_out_rollouts(model)) - floor**2, _blocks(model))
     return score is None or score > SURE
 
 
-def _squares(model: Model, others: Sequence[CartModel]) -> tuple[Array, np.ndarray]:
-    """Squares of rollouts' errors (n, 2), with another cart for each fold and with the model as the rest taught it.
-    Beside them the blocks (n,) to which they belong."""
-    carts, pairs, blocks, count = fold_carts(model), [np.zeros((0, 2))], [np.zeros(0, dtype=int)], 0
-    for balances, k, first in fold_starts(model):
-        with np.errstate(all="ignore"):  # what runs away is told below
-            errors = [rollouts(balances, cart, first).error[:, HORIZON, :2] for cart in (others[k], carts[k])]
-        pairs.append(np.stack([(e**2).sum(axis=1) for e in errors], axis=1))
-        own = ((balances.motion.time[first] - balances.motion.time[0]) // BLOCK).astype(int)
-        blocks.append(count + own)
-        count += int(own.max(initial=-1)) + 1
-    squares = np.concatenate(pairs)
+def _squares(model: Model, rolled: Rollouts) -> Array:
+    """Squares (n,) of the distances of rollouts from the model's stretches, fold after fold."""
+    squares = np.asarray((rolled.error[:, HORIZON, :2] ** 2).sum(axis=1))
     if not np.isfinite(squares).all():
         names = ", ".join(balances.name for balances in model.logs)
         raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
-    return squares, np.concatenate(blocks)
+    return squares
+
+
+def _blocks(model: Model) -> np.ndarray:
+    """Blocks (n,) to which the rollouts belong, fold after fold."""
+    found, count = [np.zeros(0, dtype=int)], 0
+    for balances, _, first in fold_starts(model):
+        own = ((balances.motion.time[first] - balances.motion.time[0]) // BLOCK).astype(int)
+        found.append(count + own)
+        count += int(own.max(initial=-1)) + 1
+    return np.concatenate(found)
 
 
 def _score(differences: Array, block: np.ndarray) -> float | None:

@@ -11,7 +11,7 @@ from ..search.gains import SURE, WORTH
 from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausible import ODDS, law_objection, objection
-from ..search.search import least_gain, unseen
+from ..search.search import least_gain, may_be, unseen
 
 ADDED, OTHER_SIZE = "added", "given another size"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
@@ -43,8 +43,7 @@ def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
     """The law that gained most in the end, and was refused for nothing but what the forms of others may make."""
     last = steps[-1].attempts if steps and steps[-1].added is None else ()
     near = [one for one in last if one.model is not None and one.gain >= WORTH][:1]
-    sure = (one for one in near if one.gain >= SURE * one.error)
-    return tuple(one.candidate for one in sure if isinstance(one.candidate, Law) and not _objection(one))
+    return tuple(one.candidate for one in near if isinstance(one.candidate, Law) and may_be(one))
 
 
 def _kept(one: Attempt, final: Model) -> str:

@@ -17,6 +17,7 @@ from ...weak_form.balances import Balances
 from ...weak_form.integrals import THIN
 from .course import Course
 from .laws import AT_HANDS, Law, both_ways
+from .model import Model
 
 SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
@@ -100,7 +101,7 @@ class Scan:
         for harmonics in HARMONICS:
             most = min(float(self.frequencies[-1]), self.highest / harmonics)
             each = np.arange(self.frequencies[0], most, self.spacing / harmonics)
-            total = np.zeros(len(each)) + sum(np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1))
+            total = np.sum([np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1)], axis=0)
             inside = total[1:-1]
             peaks = 1 + np.flatnonzero((inside >= total[:-2]) & (inside >= total[2:]))
             found += [(float(total[i]), float(each[i]), harmonics) for i in peaks]
@@ -119,7 +120,7 @@ class Scan:
         return found
 
 
-def scans(courses: Sequence[Course], cart: CartModel, hands: float = 0.0, resolved: float = 0.5) -> list[Scan]:
+def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: float) -> list[Scan]:
     """Scans that a motion allows: periods of which it saw two at least, and waves of which `resolved` turns at most go
     by from one point of it to the next; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
@@ -153,31 +154,26 @@ Found = tuple[float, Scan, float, int]
 
 
 def scanned(
-    logs: Sequence[Balances],
-    cart: CartModel,
-    pulls: Sequence[Array],
-    gain: Callable[[Array, Array], Array],
-    scaled: Callable[[Sequence[Array]], Array],
-    hands: float = 0.0,
+    model: Model, pulls: Sequence[Array], gain: Callable[[Array, Array], Array], hands: float = 0.0
 ) -> tuple[list[list[Found]], int]:
     """In each scan the best period for each number of harmonics, and the number of periods scanned. They are among
-    those of which the powers of all harmonics gain most for the information that whitened columns in units of their
-    noise (`scaled`) have."""
-    found, count = list[list[Found]](), 0
+    those of which the powers of all harmonics gain most for the information that a model's rows have."""
+    logs, cart, found, count = model.logs, model.cart, list[list[Found]](), 0
     courses = [replace(Course.along(balances.motion), time=balances.motion.time) for balances in logs]
     resolved = min(1 / THIN - balances.motion.step / balances.row_step for balances in logs)  # no wave passes for slow
 
     def columns(scan: Scan, frequencies: Array, harmonics: int) -> Array:
-        """Whitened columns (v, k, c, 2 h) in units of their noise."""
+        """Whitened columns (v, k, c, 2 h)."""
         raw = [scan.columns(frequencies, harmonics, course, b, cart) for course, b in zip(courses, logs, strict=True)]
-        white = scaled([one.reshape(*one.shape[:2], -1) for one in raw])
+        white = model.whitened([one.reshape(*one.shape[:2], -1) for one in raw])
         return np.moveaxis(white.reshape(*white.shape[:2], len(frequencies), 2 * harmonics), 2, 0)
 
     for scan in scans(courses, cart, hands, resolved):
         std = scan.effect.parameters[0].typical
         power, frequencies = scan.power(courses, pulls)
         known = np.geomspace(scan.frequencies[0], scan.highest, KNOWN)
-        information = np.interp(frequencies, known, (columns(scan, known, 1) ** 2).sum(axis=(1, 2, 3)))
+        told = (columns(scan, known, 1) / model.score.scale[:, None]) ** 2
+        information = np.interp(frequencies, known, told.sum(axis=(1, 2, 3)))
         own = power / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
         count += len(scan.frequencies) * sum(HARMONICS)
         best = dict[int, Found]()

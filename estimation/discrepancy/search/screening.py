@@ -3,7 +3,7 @@ of time, places by sums over cells of the floor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Iterator
 from functools import cached_property
 from itertools import combinations, product
 
@@ -68,15 +68,7 @@ class Screen:
 
     def gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
         """Log of the Bayes factor (v,), about, of variants' whitened columns (v, k, c, q)."""
-        return self._scaled_gains(columns / self._scale[:, None], std, one_sided)
-
-    def _scaled(self, columns: Sequence[Array]) -> Array:
-        """Columns (k, c, q) whitened, in units of their noise."""
-        return np.asarray(self.model.whitened(columns) / self._scale[:, None])
-
-    def _scaled_gains(self, columns: Array, std: Array, one_sided: bool = False) -> Array:
-        """As `gains`, of columns in units of their noise."""
-        own = columns.reshape(len(columns), -1, columns.shape[3])
+        own = (columns / self._scale[:, None]).reshape(len(columns), -1, columns.shape[3])
         across = own.swapaxes(1, 2)
         products = across @ own, across @ self._base.reshape(own.shape[1], -1), across @ self._left.ravel()
         return self._factor(products, std, one_sided)
@@ -202,9 +194,9 @@ class Screen:
         """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
         model = self.model
         yield from ((law, 1) for law in self.smooth_laws())
-        scans, count = scanned(model.logs, model.cart, self._pulls, self._scaled_gains, self._scaled, self._hands)
-        scans.sort(key=lambda best: -best[0][0])
-        for _, scan, period, harmonics in (one for best in scans[:KEPT] for one in best):
+        found, count = scanned(model, self._pulls, self.gains, self._hands)
+        found.sort(key=lambda best: -best[0][0])
+        for _, scan, period, harmonics in (one for best in found[:KEPT] for one in best):
             law = self.tuned(scan.law(period, harmonics))
             for has_mean in (False, True):
                 yield scan.law(law.period or period, harmonics, has_mean), count
@@ -239,8 +231,7 @@ class Screen:
 
     def tuned(self, law: Law) -> Law:
         """The law at the period nearby that gains most."""
-        highest = max(law.effects[0].harmonics) if law.period else 0.0
-        if law.period is None or not highest:
+        if law.period is None or not (highest := max(law.effects[0].harmonics)):
             return law
         width = NEARBY * law.period / (self._cycles(law) * highest)
         best = minimize_scalar(

@@ -115,10 +115,10 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
         near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
-        best = max((one for one in found if _may_be(one)), key=lambda one: one.gain, default=own)
+        best = max((one for one in found if may_be(one)), key=lambda one: one.gain, default=own)
         if best is own or best.model is None or best.gain < WORTH:
             continue
-        if not _may_be(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
+        if not may_be(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 
@@ -193,7 +193,7 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
 def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
     """The simplest attempt that is not surely worth less than the best that somebody would call so (Breiman's rule of
     one standard error). Only those count that are worth it, and more than what the form of others may have left."""
-    known = [one for one in attempts if one.model and _may_be(one)]
+    known = [one for one in attempts if one.model and may_be(one)]
     known = [one for one in known if one.own_gain >= least_gain(one, form_error, least)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
@@ -222,7 +222,8 @@ def _margin(one: Attempt, best: Attempt) -> float:
     return max(by_chance, SHARE * best.gain if is_form else 0.0)
 
 
-def _may_be(one: Attempt) -> bool:
+def may_be(one: Attempt) -> bool:
+    """Whether somebody who knows carts would call a fitted attempt so, and stretches are sure of its gain."""
     if one.gain < SURE * one.error:
         return False
     assert one.model is not None

@@ -11,7 +11,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
-from estimation.discrepancy.findings import refusal
+from estimation.discrepancy.findings import held_out, refusal
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.whole_log.agreement import disagreements
@@ -80,7 +80,7 @@ def test_a_long_hole_makes_two_stretches_of_a_log():
 def test_a_fit_that_foretells_worse_is_refused(monkeypatch, first, fitted, is_refused):
     """Of 30 kg, believed to be `first` and fitted as `fitted`."""
     model = Model.started([Balances.of(pushed(30.0, 0.0005, 4), guess(first))], guess(first))
-    monkeypatch.setattr(refusal, "fold_carts", lambda _: [guess(fitted)] * 3)
+    monkeypatch.setattr(held_out, "fold_carts", lambda _: [guess(fitted)] * 3)
     words = refusal.refused(model, guess(first))
     assert bool(words) == is_refused
     assert ("the first guess stays" in words) == is_refused

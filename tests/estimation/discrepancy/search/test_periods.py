@@ -96,24 +96,18 @@ def test_what_a_scan_expects_to_gain_is_what_columns_gain():
     model, (balances,), (whiten,) = screen.model, screen.model.logs, screen.model.whitenings
     scale, left = model.score.scale, model.rows[..., -1] - model.rows[..., :-1] @ model.score.fit
 
-    def scaled(raw):
-        return model.whitened(raw) / scale[:, None]
-
-    def gain(columns, std):
-        return screen.gains(columns * scale[:, None], std)
-
     pull = balances.integrals.spread(whiten.transposed(left / scale**2))[:, :2]
-    found, _ = scanned(model.logs, model.cart, [pull], gain, scaled)
+    found, _ = scanned(model, [pull], screen.gains)
     gained, scan, period, harmonics = max((best[0] for best in found), key=lambda one: one[0])
     assert period == pytest.approx(1.3, rel=0.02)
     assert harmonics == 1
     course = Course.along(balances.motion)
     power, frequencies = scan.power([course], [pull])
     at, std = int(np.argmax(power)), scan.effect.parameters[0].typical
-    own = scaled([scan.columns(frequencies[at : at + 1], 1, course, balances, model.cart)[:, :, 0]])
-    information = (own**2).sum()
+    own = model.whitened([scan.columns(frequencies[at : at + 1], 1, course, balances, model.cart)[:, :, 0]])
+    information = ((own / scale[:, None]) ** 2).sum()
     foreseen = power[at] / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
-    assert foreseen == pytest.approx(gain(own[None], np.full(2, std))[0], rel=0.15)
+    assert foreseen == pytest.approx(screen.gains(own[None], np.full(2, std))[0], rel=0.15)
     assert foreseen == pytest.approx(gained, rel=0.15)
 
 
