@@ -6,9 +6,10 @@
                                                       run for each log, whatever the number of constants
     python -m benchmarks.ablation --list              all constants and their groups
 
-Group a decides, b is assumed; c (numerics and words) is not ablated. Each log takes some ten seconds for each value
-that may change something, which one run finds out for all values (`watching.py`): `--logs 20` is where to begin. What
-was worked out is kept, so what was interrupted goes on; a change of the code begins anew.
+Group a decides, b is assumed, r are whole rules (`rules.py`), which can be taken away alone; c (numerics and words) is
+not ablated. Each log takes some ten seconds for each value that may change something, which one run finds out for all
+values (`watching.py`): `--logs 20` is where to begin. What was worked out is kept, so what was interrupted goes on; a
+change of the code begins anew.
 """
 
 from __future__ import annotations
@@ -24,6 +25,7 @@ from ..measured.running import ROOT
 from .cases import Case, measured_cases, sealed_cases, spread
 from .constants import MOVES, OFF, Constant, Group
 from .every import CONSTANTS
+from .rules import RULES
 from .running import WATCHED, Answers, Job, Watch, run_all, unnoticed, wanted
 from .table import affected, listed, rows, section
 
@@ -89,7 +91,7 @@ def _run(jobs: Sequence[Job | Watch], answers: Answers, options: argparse.Namesp
 
 def chosen(groups: str, texts: Sequence[str]) -> list[Constant]:
     """Those of the groups that a diagnosis reads, with one of the texts in their names; all, where there are none."""
-    found = [c for c in CONSTANTS if c.group.value in groups.split(",") and c.is_diagnosed]
+    found = [c for c in (*CONSTANTS, *RULES) if c.group.value in groups.split(",") and c.is_diagnosed]
     return [c for c in found if not texts or any(text in c.full_name for text in texts)]
 
 
@@ -103,7 +105,7 @@ def _parser() -> argparse.ArgumentParser:
     parser.add_argument(
         "--only", nargs="+", default=[], metavar="NAME", help="constants with one of these in MODULE.NAME"
     )
-    parser.add_argument("--groups", type=_groups, default="a", help="a (by default), b, or a,b")
+    parser.add_argument("--groups", type=_groups, default="a", help="a (by default), b, r, or some of them")
     parser.add_argument("--moves", type=_moves, default=MOVES, metavar="MOVE,…", help=f"{','.join(MOVES)} by default")
     parser.add_argument("--kept", type=Path, default=KEPT, metavar="DIR", help="answers; out/ablation by default")
     parser.add_argument("--out", type=Path, metavar="FILE", help="write the markdown there, too")
@@ -116,7 +118,7 @@ def _parser() -> argparse.ArgumentParser:
 def _groups(text: str) -> str:
     ablated_ones = [group.value for group in Group if group is not Group.WORKS_OUT]
     if not set(text.split(",")) <= set(ablated_ones):
-        raise argparse.ArgumentTypeError(f"{text}: only {' and '.join(ablated_ones)} are ablated")
+        raise argparse.ArgumentTypeError(f"{text}: only {', '.join(ablated_ones)} are ablated")
     return text
 
 

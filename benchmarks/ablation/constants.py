@@ -22,6 +22,8 @@ class Group(Enum):
     WORKS_OUT = "c"
     """Numerics, grids, effort, the refusal of logs that can't be read, words: no verdict depends on it but by
     resolution."""
+    RULES = "r"
+    """Whole rules: functions (`rules.py`)."""
 
 
 @dataclass(frozen=True)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from statistics import median
+from types import FunctionType
 from typing import Any
 
 from .cases import KINDS, Case, Mark
@@ -16,7 +17,7 @@ NOTE = (
     "hidden and no others are told (nothing, or something left unexplained, where that is true), measured ones where "
     "names and values are true. `changed` counts logs of which names, probabilities or verdict differ, `(all)` those "
     "of which any digit of the report does, scores of all candidates included. The mass is that of sealed logs. Group "
-    "a decides; b is assumed."
+    "a decides; b is assumed; r is a rule."
 )
 MOST_LOST = 0.01
 """Of logs: what a constant moved by 30 % may cost."""
@@ -153,6 +154,8 @@ def listed(constants: Sequence[Constant]) -> str:
 
 def short(value: Any) -> str:
     """Of few digits; of a long table or text, its kind."""
+    if callable(value):
+        return "a rule" if isinstance(value, FunctionType) else repr(value)
     text = f"{float(value):.4g}" if isinstance(value, float) else str(value)
     return text if len(text) <= 40 and "\n" not in text else f"({type(value).__name__})"
 

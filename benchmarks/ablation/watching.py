@@ -17,6 +17,7 @@ from numpy.lib.mixins import NDArrayOperatorsMixin
 
 from .constants import Constant
 from .patching import patched
+from .rules import Without
 
 Key = tuple[str, str]
 """Full name of a constant, and a move."""
@@ -92,12 +93,34 @@ def noticed(diagnosed: Callable[[], Any], constants: Sequence[Constant], moves: 
             others = {(constant.full_name, move): constant.moved(move) for move in moves}
             known = {key: value for key, value in others.items() if value is not None}
             value = constant.value
+            if isinstance(constant.off, Without):
+                stack.enter_context(patched(constant, _followed(value, constant.off, set(known), found)))
+                continue
             if not is_watched(constant):
                 found |= set(known)
                 continue
             stack.enter_context(patched(constant, Watched(value, known, found)))
         said = diagnosed()
     return said, found
+
+
+def _followed(rule: Callable[..., Any], without: Without, keys: set[Key], found: set[Key]) -> Callable[..., Any]:
+    """A rule that is noticed where it says something else than there would be without it."""
+
+    def told(*arguments: Any) -> Any:
+        said = rule(*arguments)
+        if not _is_same(said, without(*arguments)):
+            found.update(keys)
+        return said
+
+    return told
+
+
+def _is_same(one: Any, other: Any) -> bool:
+    """Models are the same where they are one; numbers, words and lists where they are equal."""
+    if isinstance(one, tuple) and isinstance(other, tuple):
+        return len(one) == len(other) and all(map(_is_same, one, other))
+    return one is other or (isinstance(one, bool | float | str | list) and one == other)
 
 
 def is_watched(constant: Constant) -> bool:

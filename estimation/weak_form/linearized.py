@@ -20,7 +20,7 @@ from cartgrasp.model import CartModel
 from .coordinates import ParameterPrior, bounds, coordinates, jacobian, parameters_at, slopes_at, with_coordinates
 
 ROUNDING = 1e-9
-"""Least information that counts, as a share of the prior's: rounding leaves some, of either sign."""
+"""What rounding leaves: of information, as a share of the prior's, and of a distance, in its standard deviations."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -69,11 +69,14 @@ class Linearized:
         scale = np.sqrt(np.diagonal(np.linalg.inv(first.T @ first)))
         with np.errstate(over="ignore", invalid="ignore"):  # of steps that are too long, and are tried shorter
             found = least_squares(residual, start, slopes, (lower, upper), "dogbox", x_scale=scale)
+        z = found.x
+        for bound in (lower, upper):  # a step to a bound ends beside it by rounding
+            z = np.where(np.abs(z - bound) < ROUNDING * std, bound, z)
         at_bound = np.zeros(len(prior.free), dtype=bool)
-        at_bound[free] = found.active_mask != 0
-        beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(found.x))
-        cart = with_coordinates(self.cart, self._at(found.x))
-        return MostLikely(cart, beside, self._covariance(found.x), at_bound)
+        at_bound[free] = (z == lower) | (z == upper)
+        beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(z))
+        cart = with_coordinates(self.cart, self._at(z))
+        return MostLikely(cart, beside, self._covariance(z), at_bound)
 
     def _covariance(self, z: Array) -> Array:
         """Covariance (f + q, f + q) at free coordinates (f,), as if there were no bounds."""

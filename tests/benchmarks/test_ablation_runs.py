@@ -262,7 +262,7 @@ def test_the_program_says_what_it_can_not_do(capsys, monkeypatch, tmp_path):
     nowhere = ("--data", str(tmp_path / "none"))
     assert "no logs: give folders" in exits(*nowhere)
     assert "in the name of no constant" in exits("--only", "NOTHING_OF_THIS_NAME", *nowhere)
-    assert "only a and b are ablated" in exits("--groups", "c", *nowhere)
+    assert "only a, b, r are ablated" in exits("--groups", "c", *nowhere)
     assert "is no factor" in exits("--moves", "off,-1", *nowhere)
     monkeypatch.setattr("sys.argv", ["ablation", "--list"])
     program.main()

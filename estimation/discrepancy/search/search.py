@@ -54,16 +54,24 @@ def search(
 ) -> tuple[Model, list[Step]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
-    model, steps = _grown(nominal, tell, closes)
-    if model.laws:
-        bare = replace(model, laws=()).refitted(model.cart)
-        named, others = _grown(bare, tell, closes, len(model.laws), _first(steps), has_laws=False)
-        alike = replace(model, laws=()).refitted(named.cart)
-        if worth(alike.score, model.score, None) <= margin(alike, model):
-            model, steps = named, [*(step for step in steps if not _adds_law(step)), *others]
+    model, steps = named_instead(*_grown(nominal, tell, closes), tell, closes)
     floored = with_floor_named(model)
     model, steps = simplified(model if floored is model else searched_again(floored), steps)
     return replace(resized(model), compares=False).settled(), steps
+
+
+def named_instead(
+    model: Model, steps: list[Step], tell: Callable[[str], None], closes: Closes
+) -> tuple[Model, list[Step]]:
+    """The model with names in place of laws, where they explain about as much."""
+    if not model.laws:
+        return model, steps
+    bare = replace(model, laws=()).refitted(model.cart)
+    named, others = _grown(bare, tell, closes, len(model.laws), _first(steps), has_laws=False)
+    alike = replace(model, laws=()).refitted(named.cart)
+    if worth(alike.score, model.score, None) > margin(alike, model):
+        return model, steps
+    return named, [*(step for step in steps if not _adds_law(step)), *others]
 
 
 def _grown(
