@@ -9,7 +9,7 @@ from typing import Any
 
 import numpy as np
 
-from .lawful import AS_WELL, FOLLOWS
+from .lawful import AS_WELL, FOLLOWS, with_law
 
 PARAMETERS, DRAG = ("mass", "com_x", "com_y", "inertia"), ("linear", "angular")
 CLOSE_DRAG = 0.25
@@ -252,6 +252,8 @@ class Judgement:
 
     def _as_told(self, true: Mapping[str, Any]) -> Mapping[str, Any]:
         """A true effect, as it is told by who takes the cart file's mass for the mass."""
+        for law in self.truth["effects"] if not self.laws else ():
+            true = with_law(true, law, self.truth["cart"]["mass"])
         given = {name: self.truth["cart_file"]["mass"] * value for name, value in true.get("per_mass", {}).items()}
         groups = {key: {n: given.get(n, v) for n, v in true[key].items()} for key in ("parameters", "roughly")}
         return {**true, **groups}

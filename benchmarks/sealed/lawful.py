@@ -2,14 +2,16 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from typing import Any
 
 import numpy as np
 
 from . import foreign
 from .effects import sign, with_effect
 from .scenes import Scene, Truth
+from .world import GRAVITY
 
 Draw = np.random.Generator
 
@@ -96,3 +98,12 @@ AS_WELL = {
     "drift": {"force_bias"},
 }
 """Names that say as much of them as a law does."""
+
+
+def with_law(true: Mapping[str, Any], law: Mapping[str, Any], mass: float) -> Mapping[str, Any]:
+    """A true effect with a law that its name says as much of, where no law is told: rolling resistance takes dry drag
+    at an axle, for every wheel is behind it."""
+    if (law["name"], true["name"]) != ("axle_drag", "rolling_resistance"):
+        return true
+    more = law["parameters"]["size"] / (mass * GRAVITY)
+    return {**true, "parameters": {"coefficient": true["parameters"]["coefficient"] + more}}

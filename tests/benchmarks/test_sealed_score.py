@@ -278,3 +278,17 @@ def test_reliability_is_drawn(tmp_path):
     save_reliability(probabilities([judgement]), tmp_path / "reliability.svg")
     drawn = (tmp_path / "reliability.svg").read_text(encoding="utf-8")
     assert "Probability that is said" in drawn
+
+
+def test_a_name_that_stands_for_a_law_is_as_large_as_both():
+    """Dry drag at an axle, 0.02 of the weight, beside rolling resistance of 0.01; not where a law is told for it."""
+    axle = {"name": "axle_drag", "parameters": {"size": 0.02 * 30.0 * 9.80665}}
+    rolling = {"name": "rolling_resistance", "parameters": {"coefficient": 0.01}}
+    blank = {"roughly": {}, "arm": "", "per_mass": {}}
+    effects = [{**axle, **blank, "outside": True}, {**rolling, **blank, "outside": False}]
+    said = {"name": "rolling_resistance", "parameters": {"coefficient": {"value": 0.03, "std": 0.001}}}
+    law = {"name": "learned_force", "parameters": {}, "law": {"of": "speed", "period": None}}
+    truth = {"effects": effects, "cart": {"mass": 30.0}, "cart_file": {"mass": 33.0}}
+    for told, size in (([said], 0.03), ([said, law], 0.01)):
+        (estimate,) = Judgement(truth, {"effects": told}).estimates
+        assert estimate.truth == pytest.approx(size, rel=1e-3)

@@ -37,7 +37,7 @@ def searched(
 
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = in_band(parts)
-        again = (consistent(bands(balances, final.whole)) for balances in final.logs)
+        again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
             return _told(nominal, final, steps, known)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]

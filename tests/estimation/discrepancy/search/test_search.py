@@ -51,6 +51,17 @@ def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
     assert not found.final.laws
 
 
+def test_a_load_that_swings_is_found_in_the_band_that_it_makes_one(tmp_path):
+    """In bands above a second it is no longer seen. The wide ones agree with it on the mass, which they tell."""
+    (name,) = generate(tmp_path, ["load_slosh"], [8339], "rich")
+    found = diagnose(
+        cg.read_log(tmp_path / "logs" / name / "run.csv"), cg.load_cart(tmp_path / "logs" / name / "cart.yaml")
+    )
+    assert [effect.name for effect in found.effects] == ["load_slosh"]
+    assert [band.row_step < 0.3 for band in found.bands] == [True]
+    assert found.gap.after < 2 * found.gap.noise_floor
+
+
 @pytest.mark.prove
 def test_a_slope_that_is_written_down():
     """Its grades, within three standard deviations; what was added is worth more than all that was tried beside it."""
