@@ -154,8 +154,8 @@ def listed(constants: Sequence[Constant]) -> str:
 
 def short(value: Any) -> str:
     """Of few digits; of a long table or text, its kind."""
-    if callable(value):
-        return "a rule" if isinstance(value, FunctionType) else repr(value)
+    if isinstance(value, FunctionType):
+        return "a rule"
     text = f"{float(value):.4g}" if isinstance(value, float) else str(value)
     return text if len(text) <= 40 and "\n" not in text else f"({type(value).__name__})"
 

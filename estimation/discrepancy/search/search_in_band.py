@@ -37,21 +37,24 @@ def searched(
 
     if any(band is not None and is_narrower(band, b) for b, band in zip(parts, known, strict=True)):
         nominal, final, steps = in_band(parts)
-        again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
+        again = _foretold(final)
         if all(band and not is_narrower(band, b) for b, band in zip(parts, again, strict=True)):
-            return _told(nominal, final, steps, known)
+            return _told(nominal, final, steps, again)
     narrowed = [b if band is None else b.every(band.row_step) for b, band in zip(parts, known, strict=True)]
     long = [(b, band) for b, band in zip(narrowed, known, strict=True) if len(b.used)]
     nominal, final, steps = in_band([b for b, _ in long])
-    return _told(nominal, final, steps, [band for _, band in long])
+    return _told(nominal, final, steps, [new or old for new, (_, old) in zip(_foretold(final), long, strict=True)])
 
 
-def _told(nominal: Model, final: Model, steps: list[Step], known: Sequence[Band | None]) -> Searched:
-    """Result of a search, with each log's band by what was found."""
-    again = (consistent(bands(balances, final.whole, final.guess)) for balances in final.logs)
-    found = tuple(new or old for new, old in zip(again, known, strict=True))
+def _foretold(final: Model) -> list[Band | None]:
+    """Each log's band, in which a model foretells the motion with what was found."""
+    return [consistent(bands(balances, final.whole, final.guess)) for balances in final.logs]
+
+
+def _told(nominal: Model, final: Model, steps: list[Step], found: Sequence[Band | None]) -> Searched:
+    """Result of a search, with each log's band."""
     row_steps = tuple(None if band is None else band.row_step for band in found)
-    return replace(nominal, band_steps=row_steps), replace(final, band_steps=row_steps), steps, found
+    return replace(nominal, band_steps=row_steps), replace(final, band_steps=row_steps), steps, tuple(found)
 
 
 def at_rest(parts: Sequence[Balances], cart: CartModel) -> Searched:
