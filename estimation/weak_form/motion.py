@@ -16,6 +16,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.tracked_point import composed, in_frame, inverted
 
 from ..noise import FilterNoise
+from .pose_fits import PoseFits
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 from .steps import between_steps
@@ -59,7 +60,7 @@ class Motion:
     """Motion at times (n,): smooth pose (n, 3) and free velocity (n, f), free acceleration (n, f), unbiased and smooth.
     `across` is the unbiased speed across the wheels at {b}'s axle (n,; None without one); `seen` (n,) tells where
     sensors saw it. Standard deviations (3,) are of the smooth pose and its rate in {s}, in the middle of the log.
-    `pose_tb` (3,) is where {b} is taken to be in the frame that was tracked."""
+    `pose_tb` (3,) is where {b} is taken to be in the frame that was tracked, of which the `fits` are."""
 
     time: Array
     pose: Array
@@ -72,6 +73,7 @@ class Motion:
     pose_std: Array
     rate_std: Array
     twists: Twists
+    fits: PoseFits
     pose_tb: Array
 
     @classmethod
@@ -79,13 +81,13 @@ class Motion:
         cls,
         cart: CartModel,
         grid: tuple[Array, Array, np.ndarray],
-        twists: Twists,
+        tracked: tuple[Twists, PoseFits],
         noise: tuple[MotionNoise, Array, Array],
     ) -> Motion:
-        """Motion of the cart, from the twists of the frame that was tracked and (time, pose, seen) on a grid."""
+        """Motion of the cart, from that of the frame that was tracked and (time, pose, seen) on a grid."""
         time, pose, seen = grid
-        tracked = cls(time, pose, *_freed(cart, twists), seen, *noise, twists, np.zeros(3))
-        return tracked.of_body(cart)
+        own = cls(time, pose, *_freed(cart, tracked[0]), seen, *noise, *tracked, np.zeros(3))
+        return own.of_body(cart)
 
     def memory(self, cart: CartModel, faster: Array | float = 0.0) -> Array:
         """What a cart's effects remember (n, k) along this motion, or along one that is `faster` by (f,). Fits change
@@ -192,7 +194,8 @@ def motion_of(
     middle = float(np.median(time))
     std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
     twists = Twists(velocity_b, unbiased, smooth, _turned(pose[:, 2], of_poses))
-    return Motion.of(cart, (grid, pose, placed | moved), twists, (noise, std[0], std[1]))
+    tracked = twists, PoseFits(tuple(fits), grid, at, rate)
+    return Motion.of(cart, (grid, pose, placed | moved), tracked, (noise, std[0], std[1]))
 
 
 def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array | None]:

@@ -86,7 +86,7 @@ class SplineFit:
         self._weigh([np.full(len(one.time), one.std**-2.0) for one in samples])
         self._roughness = self._penalised()
         self.smooth = self._robust()
-        self.unbiased = self._solved(self._scale * LEAST_PENALTY)
+        self.unbiased = self._solved(self._scale * LEAST_PENALTY, self._normal[1])
 
     def _penalised(self) -> Array:
         """Third differences; and where no sample is for k coefficients, the first, at k² of what rounding loses: in
@@ -108,14 +108,37 @@ class SplineFit:
         point = self.basis.design(np.array([time]), derivative).toarray()[0]
         return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
 
+    def beside(self, time: Array, known: tuple[Array, Array]) -> tuple[Array, float]:
+        """Smooth coefficients of what the samples have beside what is `known` of the signal and its rate (n,) at times
+        (n,), and the penalty. Weights of samples stay."""
+        right = self._normal[1] - self._right(
+            [np.interp(one.time, time, known[one.derivative]) for one in self._samples]
+        )
+        penalty = self._likely_penalty(right)
+        return self._solved(penalty, right), penalty
+
+    def noise_beside(
+        self, time: Array, known: tuple[Array, Array], penalty: float, generator: np.random.Generator
+    ) -> Array:
+        """What `beside` makes, with that penalty, of the samples' noise and of errors of what is known."""
+        errors = [
+            one.std * generator.standard_normal(len(one.time)) - np.interp(one.time, time, known[one.derivative])
+            for one in self._samples
+        ]
+        return self._solved(penalty, self._right(errors))
+
     def _weigh(self, weights: list[Array]) -> None:
         """Takes weights of samples, and works out the normal equations: a matrix in banded form, and its right side."""
-        matrix, right = np.zeros((DEGREE + 1, self.basis.count)), np.zeros(self.basis.count)
-        for design, one, weight in zip(self._designs, self._samples, weights, strict=True):
-            weighted = diags_array(weight) @ design
-            matrix += _banded((design.T @ weighted).tocsr(), DEGREE)
-            right += weighted.T @ one.value
-        self._weights, self._normal = weights, (matrix, right)
+        matrix = np.zeros((DEGREE + 1, self.basis.count))
+        for design, weight in zip(self._designs, weights, strict=True):
+            matrix += _banded((design.T @ (diags_array(weight) @ design)).tocsr(), DEGREE)
+        self._weights = weights
+        self._normal = matrix, self._right([one.value for one in self._samples])
+
+    def _right(self, values: Sequence[Array]) -> Array:
+        """Right side (count,) of the normal equations, of values (n,) in place of the samples'."""
+        parts = zip(self._designs, self._weights, values, strict=True)
+        return np.asarray(sum(design.T @ (weight * value) for design, weight, value in parts))
 
     @property
     def _weight_of_values(self) -> float:
@@ -127,8 +150,8 @@ class SplineFit:
         """The smooth fit, with samples far from it weighed less, round by round."""
         coefficients = np.zeros(self.basis.count)
         for _ in range(ROUNDS):
-            self._penalty = self._likely_penalty()
-            coefficients = self._solved(self._penalty)
+            self._penalty = self._likely_penalty(self._normal[1])
+            coefficients = self._solved(self._penalty, self._normal[1])
             weights = []
             for design, one in zip(self._designs, self._samples, strict=True):
                 off = np.abs(one.value - design @ coefficients) / one.std
@@ -136,12 +159,12 @@ class SplineFit:
             self._weigh(weights)
         return coefficients
 
-    def _solved(self, penalty: float) -> Array:
-        matrix, right = self._normal
+    def _solved(self, penalty: float, right: Array) -> Array:
+        matrix = self._normal[0]
         return np.asarray(cho_solve_banded((cholesky_banded(matrix + penalty * self._roughness), False), right))
 
-    def _likely_penalty(self) -> float:
-        matrix, right = self._normal
+    def _likely_penalty(self, right: Array) -> float:
+        matrix = self._normal[0]
         scale, free = float(np.mean(matrix[-1])), self.basis.count - ORDER
         stiffest = STIFF + float(np.log10(self._weight_of_values / scale))
 

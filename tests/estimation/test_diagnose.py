@@ -88,6 +88,16 @@ def test_where_nothing_is_hidden_nothing_is_named(found):
     assert diagnosis.gap.refitted < 1.35 * diagnosis.gap.noise_floor
 
 
+@pytest.mark.parametrize(("times", "verdict"), [(1.9, "no_discrepancy"), (2.1, "unexplained")])
+def test_nothing_agrees_that_is_twice_as_far_off_as_noise(found, times, verdict):
+    """However quiet the rows are."""
+    gap = found["nothing"].gap
+    far = replace(gap, refitted=times * gap.noise_floor, after=times * gap.noise_floor)
+    diagnosis = replace(found["nothing"], gap=far)
+    assert diagnosis.verdict == verdict
+    assert ("disagree" in diagnosis.sentence) == (verdict == "unexplained")
+
+
 def test_what_no_vocabulary_has_is_a_law_of_what_it_follows(found):
     diagnosis = found["flat_spot"]
     (effect,) = diagnosis.effects

@@ -27,7 +27,6 @@ from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
 from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
-from ...weak_form.rows import wrench_noise
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
 from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, told_gap
@@ -139,15 +138,8 @@ class Diagnosis:
     @cached_property
     def disagrees(self) -> bool:
         """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
-        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor and self._is_noisy
+        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
         return bool(self.effects or beyond)
-
-    @property
-    def _is_noisy(self) -> bool:
-        """Whether rows scatter more than the sensors' noise makes them."""
-        f = self.final.cart.constraints.n_free
-        sensors = np.max([wrench_noise(balances, self.final.cart) for balances in self.final.logs], axis=0)
-        return bool((self.final.noise.excess[:f] > BEYOND_NOISE * sensors).any())
 
     @cached_property
     def is_moved(self) -> bool:

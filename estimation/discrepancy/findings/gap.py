@@ -15,7 +15,7 @@ from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .rollouts import HORIZONS, starts
 
 BEYOND_NOISE = 2.0
-"""Multiple of what noise alone makes of rollouts, and of the rows: a larger gap is a disagreement."""
+"""Multiple of what noise alone makes of rollouts: a larger gap is a disagreement."""
 CLOSED = 0.05
 """Share of the squared gap above the noise floor that may be left where it is explained; a law that closes no more is
 none."""

@@ -5,12 +5,14 @@ before either is farther off than noise."""
 from __future__ import annotations
 
 import numpy as np
+from scipy.stats import norm, wilcoxon
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..search.model import Model
+from ..search.plausible import LEAST_SIZE
 from .gap import BEYOND_NOISE
 from .held_out import floor_rollouts, fold_starts, held_out_rollouts
 from .rollouts import HORIZONS, Rollouts, joined, rollouts
@@ -45,10 +47,15 @@ def refused(model: Model, guess: CartModel) -> str:
 
 
 def foretells_better(model: Model, less: Model) -> bool:
-    """Whether a model's rollouts are surely nearer to unseen stretches than those of another of the same logs."""
+    """Whether a model's rollouts are surely nearer to unseen stretches than those of another of the same logs, by
+    Wilcoxon's signed ranks of blocks (one in which a force acts long must not hide all others), and by a tenth of the
+    error by size."""
     far, near = (_squares(one, held_out_rollouts(one)) for one in (less, model))
-    score = _score(far - near, _blocks(model))
-    return score is not None and score > SURE
+    _, own = np.unique(_blocks(model), return_inverse=True)
+    gained = np.bincount(own, far - near) / np.bincount(own)
+    if not (far - near).sum() > LEAST_SIZE**2 * far.sum():
+        return False
+    return float(wilcoxon(gained, alternative="greater").pvalue) < float(norm.sf(SURE))
 
 
 def is_beyond(model: Model, floor: float) -> bool:

@@ -14,6 +14,7 @@ from cartgrasp.simulation.integrate import runge_kutta_4
 
 from ...standstill import STILL_SPEED
 from ...weak_form.balances import Balances
+from .driven import Driven
 
 HORIZONS = (0.5, 1.0, 2.0)
 """Horizons of rollouts (s)."""
@@ -69,19 +70,17 @@ def rolled_out(
     balances: Balances,
     cart: CartModel,
     first: np.ndarray,
-    off: tuple[Array, Array] | None = None,
+    driven: Driven | None = None,
     after: np.ndarray | None = None,
 ) -> Array:
-    """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. `off` are errors of
-    poses and velocities at the start (starts, 3 + f), and of the reduced wrench along the grid (n, f); `after` are
-    steps of the grid in place of the horizons'."""
+    """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. It starts from the
+    motion that it is `driven` along, by default as the log's forces make it; `after` are steps of the grid in place of
+    the horizons'."""
     motion, side = balances.motion, balances.wrenches.planar(cart)
-    wrench = side @ cart.basis_b
-    state = balances.state(cart)[first].copy()
-    if off is not None:
-        state[:, : off[0].shape[1]] += off[0]
-        wrench = wrench + off[1]
-    planar = cart.planar_wrench(wrench)
+    driven = Driven.of(balances, cart) if driven is None else driven
+    planar, state = cart.planar_wrench(driven.wrench), balances.state(cart)[first].copy()
+    start = np.hstack([driven.pose, driven.velocity])[first]
+    state[:, : start.shape[1]] = start
     ends = (_steps(balances) if after is None else after).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
@@ -116,17 +115,13 @@ def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts
 def noise_rollouts(
     balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator, n_draws: int
 ) -> Rollouts:
-    """Rollouts of what errors of the smooth motion, and white noise of the wrenches, (f,) N/√Hz, N·m/√Hz, do to a right
-    model, drawn so many times."""
-    motion, first, f = balances.motion, starts(balances), cart.constraints.n_free
-    rate = motion.rate_std[[0, 2] if f == 2 else list(range(f))]
-    std = np.concatenate([motion.pose_std, rate])
-    right, found = rolled_out(balances, cart, first), []
+    """Rollouts of what noise of the motion's sensors, and white noise of the wrenches, (f,) N/√Hz, N·m/√Hz, do to a
+    right model, drawn so many times."""
+    first, own, found = starts(balances), Driven.of(balances, cart), []
+    right, pose_std = rolled_out(balances, cart, first, own), balances.motion.pose_std
     for _ in range(n_draws):
-        start = generator.standard_normal((len(first), len(std))) * std
-        wrench = generator.standard_normal((len(motion.time), f)) * noise / motion.step**0.5
-        wrong = rolled_out(balances, cart, first, (start, wrench))
-        found.append(_in_body(right, wrong + generator.standard_normal(right.shape) * motion.pose_std))
+        wrong = rolled_out(balances, cart, first, own.with_noise(noise, generator))
+        found.append(_in_body(right, wrong + generator.standard_normal(right.shape) * pose_std))
     return Rollouts(np.concatenate(found))
 
 

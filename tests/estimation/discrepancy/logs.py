@@ -5,13 +5,13 @@ import numpy as np
 from cartgrasp.logs import ArmLog, RunLog
 
 
-def straight(acceleration=0.5, duration=4.0, mass=20.0, step=0.01):
-    """A log without noise of a cart that a constant force pushes along x; no drag."""
+def straight(acceleration=0.5, duration=4.0, mass=20.0, step=0.01, speed=0.0):
+    """A log without noise of a cart that a constant force pushes along x, at a speed first; no drag."""
     time = np.arange(0, duration, step)
     zero = np.zeros_like(time)
     wrench = np.column_stack([np.full_like(time, mass * acceleration), zero, zero, zero, zero, zero])
-    pose = np.column_stack([acceleration * time**2 / 2, zero, zero])
-    velocity = np.column_stack([acceleration * time, zero, zero])
+    pose = np.column_stack([speed * time + acceleration * time**2 / 2, zero, zero])
+    velocity = np.column_stack([speed + acceleration * time, zero, zero])
     return RunLog(time, pose, velocity, {"arm": ArmLog(np.tile([-0.3, 0.0, 1.0], (len(time), 1)), wrench)})
 
 

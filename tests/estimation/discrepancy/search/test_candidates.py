@@ -11,6 +11,7 @@ from cartgrasp.effects.effect import Contribution, Parameter
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
+from estimation.discrepancy.findings.driven import Driven
 from estimation.discrepancy.findings.rollouts import rolled_out, starts
 from estimation.weak_form.balances import Balances
 
@@ -90,6 +91,8 @@ def test_rollouts_have_effects_without_a_kernel():
     bare = CartModel(CART.inertia)
     balances = Balances.of(log, bare)
     first = starts(balances)
-    own = rolled_out(balances, bare.with_effect(Bent(strength=6.0, at=1e6)), first)
-    ours = rolled_out(balances, bare.with_effect(ViscousDrag(linear=6.0)), first)
+    carts = [bare.with_effect(effect) for effect in (Bent(strength=6.0, at=1e6), ViscousDrag(linear=6.0))]
+    starts_of = [Driven.of(balances, cart) for cart in carts]
+    own, ours = (rolled_out(balances, cart, first, starts_of[0]) for cart in carts)
     np.testing.assert_allclose(own, ours, atol=1e-6)
+    np.testing.assert_allclose(starts_of[0].velocity, starts_of[1].velocity, atol=1e-4)
