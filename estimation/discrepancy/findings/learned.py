@@ -35,6 +35,8 @@ USUAL = {
 }
 """What usually makes a law that does not repeat."""
 TURN = 2 * np.pi
+FINE = 1000
+"""Share of a period over which slopes are taken."""
 WALK = (0.4, 1.1)
 """Times (s) from step to step of a person who walks."""
 
@@ -71,10 +73,15 @@ class LearnedLaw:
         return float(np.sqrt(np.mean(self.curve(self.seen)[0] ** 2)))
 
     def curve(self, at: Array) -> tuple[Array, Array]:
-        """The force at values of the variable, and its standard deviation (n,)."""
+        """The force at values of the variable, and its standard deviation (n,): of its numbers, and of where in its
+        period the logs were, on the average."""
         shares = self.effect.shares(at)
-        variance = np.einsum("na,ab,nb->n", shares, self.covariance, shares)
-        return shares @ self.effect.values, np.sqrt(np.maximum(variance, 0.0))
+        variance = np.maximum(np.einsum("na,ab,nb->n", shares, self.covariance, shares), 0.0)
+        if self.effect.period:
+            step = self.effect.period / FINE
+            change = (self.effect.shares(at + step) - self.effect.shares(at - step)) @ self.effect.values / 2.0
+            variance += (change / step * self.period_std * self.seen.std() / self.effect.period) ** 2
+        return shares @ self.effect.values, np.sqrt(variance)
 
     @property
     def words(self) -> str:

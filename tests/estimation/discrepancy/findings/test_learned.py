@@ -26,8 +26,8 @@ from ..search.test_laws import CART, TRUTH, resisted, rolled
 BARE = CartModel(Inertia(24.0, (0.28, 0.06), 2.2))
 
 
-def told(effect, seen, std=0.0):
-    return LearnedLaw(effect, std**2 * np.eye(len(effect.parameters)), 0.01, np.asarray(seen, dtype=float))
+def told(effect, seen, std=0.0, period_std=0.0):
+    return LearnedLaw(effect, std**2 * np.eye(len(effect.parameters)), period_std, np.asarray(seen, dtype=float))
 
 
 @given(numbers=st.lists(st.floats(-5, 5), min_size=2, max_size=2), phase=st.floats(0, 6))
@@ -36,6 +36,24 @@ def test_a_curve_and_its_band_are_those_of_the_amplitudes(numbers, phase):
     value, std = law.curve(np.array([phase]))
     assert value == pytest.approx([numbers[0] * np.cos(phase) + numbers[1] * np.sin(phase)], abs=1e-9)
     assert std == pytest.approx([0.3])
+
+
+@pytest.mark.parametrize("phase", [0.1, 0.25, 0.6])
+def test_a_band_knows_how_well_a_period_is_known(phase):
+    """Sines of many periods that agree in the middle of a log, at one phase in each turn of it."""
+    period, period_std, size, random = 0.8, 2e-3, 5.0, np.random.default_rng(0)
+    turns = np.arange(60)
+    law = told(
+        LearnedForce("forward_force", "time", period=period, amplitudes=(0.0, size)),
+        np.linspace(0, 60 * period, 6000),
+        period_std=period_std,
+    )
+    at, middle = (turns + phase) * period, 30 * period
+    drawn = period + period_std * random.standard_normal((400, 1))
+    off = size * (np.sin(2 * np.pi * (at - middle) / drawn) - np.sin(2 * np.pi * (at - middle) / period))
+    _, std = law.curve(np.array([phase * period]))
+    curved = 0.0 if phase != 0.25 else np.sqrt((off**2).mean())  # at the top, it is of second order
+    assert std == pytest.approx([np.sqrt((off**2).mean())], rel=0.15, abs=1.01 * curved)
 
 
 def test_words_can_be_read_aloud():
