@@ -1,6 +1,6 @@
 """Whether the motion that a diagnosis proposes names a hidden effect sooner than motions at random.
 
-    python -m benchmarks.active DIR [--seeds 0:3] [--effects all] [--workers 2]
+    python -m benchmarks.active DIR [--seeds 0:3] [--effects all] [--speed 0.8] [--duration 10] [--workers 2]
 
 Carts, effects and sensors are those of `benchmarks.sealed`, whose equations share no code with the package. The first
 log is a slow straight push. Then what the diagnosis of all logs so far proposes is recorded, from the same place, until
@@ -89,9 +89,9 @@ def names_left(found: Diagnosis) -> tuple[str, ...]:
     return tuple(sorted({name for one in found.effects for name in (one.name, *one.confusable_with)}))
 
 
-def at_random(random: np.random.Generator, cart: CartModel) -> StoredReference:
+def at_random(random: np.random.Generator, cart: CartModel, limits: Limits = LIMITS) -> StoredReference:
     """Pieces of the list in random order, as long as a proposal."""
-    chosen, left, known = list[Stretch](), LIMITS.duration, pieces(LIMITS, cart.constraints)
+    chosen, left, known = list[Stretch](), limits.duration, pieces(limits, cart.constraints)
     while fitting := [piece for piece in known if piece.duration <= left + PERIOD / 2]:
         piece = fitting[int(random.integers(len(fitting)))]
         chosen += piece.stretches
@@ -99,36 +99,36 @@ def at_random(random: np.random.Generator, cart: CartModel) -> StoredReference:
     return StoredReference(tuple(chosen), says="at random")
 
 
-def run_cart(name: str, seed: int) -> list[Run]:
+def run_cart(name: str, seed: int, limits: Limits = LIMITS) -> list[Run]:
     """Each way, until the right name alone is left, from the same first log on."""
     scene = draw_case(name, seed, "straight", "active ")
     cart = cart_from_text(cart_file(scene.world, scene.believed, name != "viscous_drag"))
     log = recorded(scene, FIRST, random_of(f"{name} first", seed, "active"))
-    first = diagnose([log], cart, limits=LIMITS)
-    return [run_way(way, scene, (log, first), (name, seed)) for way in WAYS]
+    first = diagnose([log], cart, limits=limits)
+    return [run_way(way, scene, (log, first), (name, seed), limits) for way in WAYS]
 
 
-def run_way(way: str, scene: Scene, begun: tuple[RunLog, Diagnosis], of: tuple[str, int]) -> Run:
+def run_way(way: str, scene: Scene, begun: tuple[RunLog, Diagnosis], of: tuple[str, int], limits: Limits) -> Run:
     begin, (log, found), (name, seed) = time.perf_counter(), begun, of
     noise, motion = (random_of(f"{name} {kind} {way}", seed, "active") for kind in ("noise", "motion"))
     logs, left, said = [log], [names_left(found)], [FIRST_SAYS]
     while left[-1] != (name,) and len(logs) <= MOST:
-        reference = found.next_reference if way == PROPOSED else at_random(motion, found.cart)
+        reference = found.next_reference if way == PROPOSED else at_random(motion, found.cart, limits)
         if reference is None:
             said.append(found.next_experiment.why_none)
             break
         said.append(reference.says)
         logs.append(replace(recorded(scene, reference.stretches, noise), name=f"log {len(logs) + 1}"))
-        found = diagnose(logs, found.nominal_cart, limits=LIMITS)
+        found = diagnose(logs, found.nominal_cart, limits=limits)
         left.append(names_left(found))
     return Run(way, tuple(left), tuple(said), left[-1] == (name,), time.perf_counter() - begin)
 
 
-def run_one(job: tuple[str, int], out: Path) -> dict[str, Run]:
+def run_one(job: tuple[str, int], out: Path, limits: Limits = LIMITS) -> dict[str, Run]:
     name, seed = job
     file = out / f"{name}-{seed}.json"
     if not file.is_file():
-        write_atomically(file, json.dumps([vars(run) for run in run_cart(name, seed)], indent=1) + "\n")
+        write_atomically(file, json.dumps([vars(run) for run in run_cart(name, seed, limits)], indent=1) + "\n")
     told = json.loads(file.read_text(encoding="utf-8"))
     runs = (one | {"left": tuple(map(tuple, one["left"])), "said": tuple(one["said"])} for one in told)
     return {one["way"]: Run(**one) for one in runs}
@@ -160,11 +160,21 @@ def main() -> None:
     parser.add_argument("out", type=Path, metavar="DIR")
     parser.add_argument("--seeds", type=seeds, default=range(3), metavar="FROM:TO")
     parser.add_argument("--effects", default=",".join(EFFECTS), metavar="NAME,…")
+    parser.add_argument("--speed", type=float, default=LIMITS.speed, metavar="M/S", help="of motions after the first")
+    parser.add_argument("--duration", type=float, default=LIMITS.duration, metavar="S", help="of each of them")
     parser.add_argument("--workers", type=int, default=1, metavar="N")
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     jobs = [(name, seed) for name in options.effects.split(",") for seed in options.seeds]
-    found = dict(zip(jobs, run_all(partial(run_one, out=options.out), jobs, options.workers), strict=True))
+    found = dict(
+        zip(
+            jobs,
+            run_all(
+                partial(run_one, out=options.out, limits=Limits(options.speed, options.duration)), jobs, options.workers
+            ),
+            strict=True,
+        )
+    )
     print(write_atomically(options.out / "active.md", table(found)).read_text(encoding="utf-8"))
 
 
