@@ -38,7 +38,6 @@ DECIDING = (
         inf,
         "times what is plausible that estimates may be",
     ),
-    Constant("discrepancy.search.plausible", "LEAST_LAW", A, 0.0, "least size of a law"),
     Constant(
         "discrepancy.search.plausible", "TOLD", A, 0.0, "deviations from nought of what makes an effect what it is"
     ),

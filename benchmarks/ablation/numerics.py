@@ -119,7 +119,7 @@ REASONS: dict[str, dict[str, str]] = {
         "LEAST_SPAN": "keeps knots apart",
     },
     "discrepancy.diagnosis.law_figure": dict.fromkeys(("LEAST_UNIT", "POINTS", "MOST_DOTS"), "of a figure"),
-    "discrepancy.findings.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK"), "words"),
+    "discrepancy.findings.learned": dict.fromkeys(("FORCES", "OF_TIME", "USUAL", "TURN", "WALK", "FINE"), "words"),
     "discrepancy.search.periods": {
         "SCANNED": "grid of periods",
         "OF": "words",
@@ -205,7 +205,6 @@ REASONS: dict[str, dict[str, str]] = {
         "MOST_STEPS": "effort",
         "MOST_SWAPPED": "effort",
     },
-    "discrepancy.search.revisited": {"MOST_FORMS": "effort"},
     "weak_form.wrenches": {
         "WHOLE": "all of a grid",
         "LEAST_DENSITY": "keeps solvable",

@@ -3,7 +3,6 @@
     python -m benchmarks.sealed generate --out DIR [--cases … --seeds … --guess … --proof]
     python -m benchmarks.sealed score DIR             what DIR/logs/*/out/report.json say, beside DIR/truth
     python -m benchmarks.sealed compare DIR1 DIR2     the same logs with two guesses: whether verdicts are the same
-    python -m benchmarks.sealed bands DIR             whether laws' bands hold the forces that were hidden
     python -m benchmarks.sealed baselines DIR         another method's reports, to be scored too
 
 A case is effects, then what makes the log rough: `rolling_resistance+floor_slope@rail@bursts`, `nothing@coasting`.
@@ -54,9 +53,6 @@ def main() -> None:
     comparing = commands.add_parser("compare", help="the same logs with two first guesses: the same verdicts?")
     comparing.add_argument("folders", type=Path, nargs=2, metavar="DIR")
     comparing.add_argument("--reports", default="out", metavar="NAME", help="folder beside each log; out by default")
-    banding = commands.add_parser("bands", help="diagnose DIR/logs/* with laws: whether their bands hold")
-    banding.add_argument("folder", type=Path, metavar="DIR")
-    banding.add_argument("--processes", type=int, default=2, metavar="N")
     regressing = commands.add_parser("baselines", help="general methods on DIR/logs/*, to be scored too")
     regressing.add_argument("folder", type=Path, metavar="DIR")
     regressing.add_argument("--method", choices=list(METHODS), default="err")
@@ -67,8 +63,6 @@ def main() -> None:
     options = parser.parse_args()
     if options.command == "baselines":
         regress_logs(options)
-    elif options.command == "bands":
-        law_bands(options)
     elif options.command == "score":
         score_reports(options)
     elif options.command == "compare":
@@ -136,16 +130,6 @@ def refusal(case: str, options: argparse.Namespace) -> str:
     if options.rough and is_rough(case):
         return f"--rough is for sensors of other kinds of logs; {case!r} has its own"
     return objection(case)
-
-
-def law_bands(options: argparse.Namespace) -> None:
-    from .law_bands import bands, table
-
-    found = []
-    for one in bands(options.folder, options.processes):
-        found.append(one)
-        print(f"[{len(found)}] {one.case}: {100 * one.held:.0f} % within the band", file=sys.stderr, flush=True)
-    print(table(found) if found else "no laws are told of logs in which one is hidden")
 
 
 def score_reports(options: argparse.Namespace) -> None:

@@ -47,7 +47,7 @@ PERIOD_STEP = 1e-4
 """Share of a period with which a search for how well it is known begins."""
 SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
 """Steps of differences by a setting: by its unit, else as a share of its value."""
-SIZE_SHARE = 0.03
+SIZE_SHARE = 0.02
 """Share of an effect's size that its form leaves open, which no length of a log makes less."""
 
 

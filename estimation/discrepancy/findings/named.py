@@ -19,7 +19,6 @@ from ..search.candidates import free_label
 from ..search.gains import WORTH, added
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import is_negligible
 from .certainty import Certainty
 from .learned import LearnedLaw
 from .rivals import rivals
@@ -133,12 +132,6 @@ def words_of(effects: Sequence[NamedEffect], alike: bool = True) -> str:
 def with_unit(number: str, unit: str) -> str:
     """A number with its unit, where it has one."""
     return number if unit == "-" else f"{number} {unit}"
-
-
-def faded(final: Model, certainty: Certainty) -> list[str]:
-    """Keys of added effects of which next to nothing is left beside the mass that is told."""
-    values = {effect.key: effect for effect in certainty.cart.effects}
-    return [effect.key for effect in added(final) if is_negligible(values[effect.key])]
 
 
 def doubted(steps: Sequence[Step], final: Model, shares: Sequence[float]) -> list[str]:

@@ -16,7 +16,6 @@ from ..search.plausible import LEAST_SIZE, ODDS, TOLD
 from .certainty import Certainty
 from .gap import BEYOND_NOISE, CLOSED
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
-from .named import faded
 from .refusal import WORSE, foretells_better, is_beyond
 from .rivals import undecided
 from .rollouts import Rollouts
@@ -25,15 +24,12 @@ MOSTLY = 0.8
 """Share of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
 
 
-def upheld(
-    final: Model, nominal: Model, steps: Sequence[Step], known: Sequence[Band | None]
-) -> tuple[Model, tuple[Law, ...]]:
-    """The model without what does not hold, and the laws that were withdrawn. First go effects of which next to nothing
-    is left, and loads that what nobody recorded may look like. Then go laws that close next to nothing of the gap, or a
-    tenth of its size where they surely foretell stretches better, for rollouts of both share the noise. Last additions
-    go while unseen stretches are predicted no better with them than by what is known, or refitted, and surely farther
-    off than noise."""
-    final = without(final, (*faded(final, certainty_of(final, steps, known)), *within_bracket(final, known)))
+def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
+    """The model without what does not hold, and the laws that were withdrawn. First go loads that what nobody recorded
+    may look like. Then go laws that close next to nothing of the gap, or a tenth of its size where they surely foretell
+    stretches better, for rollouts of both share the noise. Last additions go while unseen stretches are predicted no
+    better with them than by what is known, or refitted, and surely farther off than noise."""
+    final = without(final, within_bracket(final, known))
     laws = final.laws
     if not (laws or added(final)):
         return final, ()

@@ -10,7 +10,7 @@ from ..search.attempts import Attempt, Refit, Step
 from ..search.gains import SURE, WORTH
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import ODDS, law_objection, objection
+from ..search.plausible import ODDS, objection
 from ..search.search import least_gain, may_be, unseen
 
 ADDED, OTHER_SIZE = "added", "given another size"
@@ -49,10 +49,7 @@ def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
 def _kept(one: Attempt, final: Model) -> str:
     """Whether what was added was kept, and in which form."""
     if isinstance(one.candidate, Law):
-        alike = [law for law in final.laws if law.of == one.candidate.of and law.period is None]
-        if any(law.kind == one.candidate.kind for law in final.laws):
-            return ADDED
-        return WITHDRAWN if one.candidate.period or not alike else f"added; in the end as {alike[0].key}"
+        return ADDED if any(law.kind == one.candidate.kind for law in final.laws) else WITHDRAWN
     if isinstance(one.candidate, Refit):
         return OTHER_SIZE
     return ADDED if one.key in {effect.key for effect in final.cart.effects} else WITHDRAWN
@@ -60,10 +57,8 @@ def _kept(one: Attempt, final: Model) -> str:
 
 def _objection(one: Attempt) -> str:
     """Why nobody would call it so at its values; empty where somebody would, or where it was not fitted."""
-    if one.model is None or isinstance(one.candidate, Refit):
+    if one.model is None or isinstance(one.candidate, Refit | Law):
         return ""
-    if isinstance(one.candidate, Law):
-        return law_objection(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
     return objection(one.candidate, one.model.cart.wheel_set) or unseen(one.candidate, one.model)
 
 

@@ -65,8 +65,6 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
             if effect.gate is not Gate.ALWAYS:
                 colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
     gain = worth(model.score, score, colour) - float(np.log(tried))
-    if not _is_possible(fitted):
-        gain = min(gain, 0.0)
     return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
 
 
@@ -81,14 +79,6 @@ def colour_of(model: Model, candidate: Effect | Law) -> float | None:
     if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
         return None
     return model.colour if candidate.gate.ends else 1.0
-
-
-def _is_possible(effect: Effect) -> bool:
-    """Whether not all of its amplitudes are beyond their bounds."""
-    if isinstance(effect, ConstraintEffect | TimeDelay):
-        return True
-    own = [(effect.parameters[i], effect.values[i]) for i in amplitudes_of(effect)]
-    return any(p.lower <= value <= p.upper for p, value in own)
 
 
 def absent(effect: Effect) -> Effect:

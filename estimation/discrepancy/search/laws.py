@@ -88,14 +88,6 @@ class Law:
         return int(self.basis.shape[1])
 
     @property
-    def has_constant(self) -> bool:
-        """Whether it may be the same everywhere."""
-        if self.effects[0].cycle or self.size == 1:
-            return False
-        ones = np.ones(len(self.basis))
-        return bool(np.allclose(self.basis @ np.linalg.lstsq(self.basis, ones)[0], ones))
-
-    @property
     def key(self) -> str:
         return f"law: {self.name}, {self.form}" + (f", {self.period:.3g} {self.unit}" if self.period else "")
 

@@ -280,11 +280,6 @@ class Model:
         return [(law, 1) for law in found if law.key not in {own.key for own in self.laws}]
 
     @property
-    def law_numbers(self) -> list[Array]:
-        """Each law's numbers (q,)."""
-        return [self.score.fit[place] for place in self.law_places]
-
-    @property
     def motions(self) -> list[Motion]:
         """Motions of the logs."""
         return [balances.motion for balances in self.logs]

@@ -2,18 +2,14 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
-
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.wheels import WheelSet
 
 from ...standstill import LEVER
-from ...weak_form.motion import Motion
 from .candidates import amplitudes_of
-from .laws import seen_values
 
 ODDS = {"rolling_resistance": 4.0}
 """Log of how much more usual an effect is than others: every wheel resists (physics.md)."""
@@ -21,8 +17,6 @@ USUAL = ("rolling_resistance", "time_delay")
 """What every cart has, or every chain of sensors: however little it is beside another, it is not that one's form."""
 LEAST_SIZE = 0.1
 """Least share of an effect's usual size: nobody calls less by its name."""
-LEAST_LAW = 0.02
-"""Least share of a law's usual size."""
 LEAST = {
     "time_delay.delay": 0.008,  # s: sensors that hold or average samples at 100 Hz are as late
     "load_slosh.damping": 0.003,  # less has no spring or liquid
@@ -86,22 +80,6 @@ def is_negligible(effect: Effect) -> bool:
     own = amplitudes_of(effect)
     sizes = [abs(effect.values[i] - effect.parameters[i].absent) / effect.parameters[i].typical for i in own]
     return max(sizes, default=0.0) <= LEAST_SIZE
-
-
-def is_lawful(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> bool:
-    """Whether forces of a law are more than next to nothing, as motions go, and no drag of the speed drives."""
-    return not law_objection(forces, motions)
-
-
-def law_objection(forces: Sequence[LearnedForce], motions: Sequence[Motion]) -> str:
-    """Why there is no such law; empty where there may be."""
-    found = [(one, one.shares(seen_values(one, motions)) @ one.values) for one in forces]
-    for one, drag in found:
-        if one.acts_on == "drag" and one.of == "speed" and drag.min() < -LEAST_SIZE * np.abs(drag).max():
-            return f"a drag of {drag.min():.2g} N would drive the cart"
-    if any(np.abs(drag).max() >= LEAST_LAW * one.parameters[0].typical for one, drag in found):
-        return ""
-    return f"less than {LEAST_LAW:g} of a law's usual size is none"
 
 
 def out_of_bounds(effect: Effect, spare: float = 1.0) -> str:

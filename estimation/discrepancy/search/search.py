@@ -12,7 +12,6 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 
 from .attempts import Attempt, Refit, Step
-from .drag_floor import with_floor_named
 from .form_error import FormError
 from .gains import (
     CONFUSABLE,
@@ -30,7 +29,7 @@ from .gains import (
 )
 from .laws import Law
 from .model import FORM_LEVER, Model
-from .plausible import ESSENTIAL, LEVERS, ODDS, TOLD, is_lawful, is_plausible
+from .plausible import ESSENTIAL, LEVERS, ODDS, TOLD, is_plausible
 from .refine import refined
 from .revisited import dropped, searched_again
 from .screening import LEAST_SIDE, Screen
@@ -54,9 +53,7 @@ def search(
 ) -> tuple[Model, list[Step]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
-    model, steps = named_instead(*_grown(nominal, tell, closes), tell, closes)
-    floored = with_floor_named(model)
-    model, steps = simplified(model if floored is model else searched_again(floored), steps)
+    model, steps = simplified(*named_instead(*_grown(nominal, tell, closes), tell, closes))
     return replace(resized(model), compares=False).settled(), steps
 
 
@@ -209,9 +206,9 @@ def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt 
 
 
 def _closing(attempts: list[Attempt], model: Model, closes: Closes) -> Attempt | None:
-    """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
-    is cheap beside noise with a long memory, and adds up in rollouts."""
-    best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE)
+    """What has a name, acts all the time and gains less, where it closes most of the gap on stretches that no fit saw:
+    what drifts is cheap beside noise with a long memory, and adds up in rollouts."""
+    best = chosen([one for one in attempts if one.error and not isinstance(one.candidate, Law)], 0.0, CONFUSABLE)
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
@@ -235,10 +232,8 @@ def may_be(one: Attempt) -> bool:
     if one.gain < SURE * one.error:
         return False
     assert one.model is not None
-    if isinstance(one.candidate, Refit):
+    if isinstance(one.candidate, Refit | Law):
         return True
-    if isinstance(one.candidate, Law):
-        return is_lawful(one.candidate.sized(one.model.law_numbers[-1]), one.model.motions)
     return is_plausible(one.candidate, one.model.cart.wheel_set) and not unseen(one.candidate, one.model)
 
 

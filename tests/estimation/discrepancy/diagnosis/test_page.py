@@ -20,9 +20,8 @@ from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
-from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, WITHDRAWN, may_follow, verdict
+from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, WITHDRAWN, verdict
 from estimation.discrepancy.log_check import checked, with_clock_offsets
-from estimation.discrepancy.search import search
 from estimation.discrepancy.search.attempts import Attempt, Step
 from estimation.discrepancy.search.laws import Law, smooth_laws
 from estimation.discrepancy.search.model import Model
@@ -223,14 +222,13 @@ def test_no_name_is_certain(diagnosis):
     assert table(page(SimpleNamespace(diagnosis=found), {}), "effect")[1][2] == "> 99 %"
 
 
-def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis, monkeypatch):
+def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
     """Though another form of what was added may make as much."""
     balances = diagnosis.final.logs[0]
     law = next(one for one in smooth_laws([balances.motion], CART) if one.name == "yaw rate")
     less = Attempt(law, 9.0, 1, diagnosis.final)
     gap = Gap(0.05, 0.05, 0.04, 0.01, {}, {})
     with_law = replace(diagnosis.final, laws=(law,)).refitted(diagnosis.final.cart)
-    monkeypatch.setattr(search, "is_lawful", lambda forces, motions: True)
     sure, unsteady = (Attempt(law, 86.4, 1, with_law, error, 4.8) for error in (13.0, 80.0))
     for refused, told in ((sure, (law,)), (less, ()), (unsteady, ())):
         steps = (diagnosis.steps[0], Step((refused,), None, 20.0))
@@ -240,8 +238,6 @@ def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis, mon
         assert found.may_follow == told
         assert found.unexplained["depends_on"] == [one.words for one in told]
     assert replace(found, steps=diagnosis.steps[:1], shares=(0.9,)).may_follow == ()
-    monkeypatch.setattr(search, "is_lawful", lambda forces, motions: False)
-    assert may_follow((Step((sure,), None, 20.0),)) == ()
 
 
 def test_a_verdict_is_what_the_numbers_say(diagnosis):

@@ -63,7 +63,7 @@ def test_a_law_within_noise_stays_if_stretches_are_surely_foretold_better(monkey
     found = replace(nominal, laws=(Law.free("of the wheel", wheel),)).refitted(nominal.cart).settled()
     noise = Rollouts(1.01 * held_out_rollouts(nominal).error)
     monkeypatch.setattr(module, "floor_rollouts", lambda model: noise)
-    final, withdrawn = upheld(found, nominal, (), (None,))
+    final, withdrawn = upheld(found, nominal, (None,))
     assert bool(final.laws) == is_told
     assert bool(withdrawn) != is_told
     assert foretells_better(found, nominal) == is_told
@@ -89,7 +89,7 @@ def test_a_law_has_to_close_something_of_the_gap(share, is_told):
     nominal = Model.started([Balances.of(replace(log, arms=arms), RAIL)], RAIL)
     hum = Law.free("1 harmonic", LearnedForce(of="time", period=1.3))
     found = replace(nominal, laws=(hum,)).refitted(nominal.cart.with_effect(FloorSlope())).settled()
-    final, withdrawn = upheld(found, nominal, (), (None,))
+    final, withdrawn = upheld(found, nominal, (None,))
     assert bool(final.laws) == is_told
     assert bool(withdrawn) != is_told
     assert [effect.key for effect in final.cart.effects] == ["viscous_drag", "floor_slope"]

@@ -1,8 +1,13 @@
-"""Whether the band of a law, as a page draws it, holds the force that was hidden, along the whole log."""
+"""Whether the band of a law, as a page draws it, holds the force that was hidden, along the whole log.
+
+python -m benchmarks.law_bands DIR         logs of `python -m benchmarks.sealed generate --out DIR --cases laws`
+"""
 
 from __future__ import annotations
 
+import argparse
 import json
+import sys
 from collections import defaultdict
 from collections.abc import Iterator
 from dataclasses import dataclass, replace
@@ -17,9 +22,9 @@ from cartgrasp.effects import Effect, InertiaEffect, LearnedForce, SensorEffect
 from cartgrasp.logs import read_log
 from estimation import diagnose
 
-from .calibration import INTERVAL
-from .foreign import foreign_wrench
-from .world import THETA, WAY, R, U, World, X, Y
+from .sealed.calibration import INTERVAL
+from .sealed.foreign import foreign_wrench
+from .sealed.world import THETA, WAY, R, U, World, X, Y
 
 MOVES = 0.05
 """Speed (m/s) from which on a drag has a direction."""
@@ -116,3 +121,20 @@ def _row(name: str, own: list[Band]) -> str:
 
 def rms(values: np.ndarray) -> float:
     return float(np.sqrt(np.mean(values**2)))
+
+
+def main() -> None:
+    parser = argparse.ArgumentParser(
+        "python -m benchmarks.law_bands", description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter
+    )
+    parser.add_argument("folder", type=Path, metavar="DIR")
+    parser.add_argument("--processes", type=int, default=2, metavar="N")
+    options, found = parser.parse_args(), list[Band]()
+    for one in bands(options.folder, options.processes):
+        found.append(one)
+        print(f"[{len(found)}] {one.case}: {100 * one.held:.0f} % within the band", file=sys.stderr, flush=True)
+    print(table(found) if found else "no laws are told of logs in which one is hidden")
+
+
+if __name__ == "__main__":
+    main()

@@ -5,8 +5,8 @@ import json
 import numpy as np
 import pytest
 
+from benchmarks.law_bands import Band, alone, bands, table
 from benchmarks.sealed.generate import generate
-from benchmarks.sealed.law_bands import Band, alone, bands, table
 
 
 def test_what_effects_beside_a_law_give_as_well_is_no_error():
