@@ -179,9 +179,8 @@ class Diagnosis:
     def unexplained(self) -> dict[str, Any]:
         """What the final model leaves: root mean square size by coordinate, and what it may follow, though that made
         unseen stretches no better."""
-        is_left = self.verdict in ("unexplained", "partly_explained")
         told: dict[str, Any] = {
-            "size": {residual.coordinate: residual.size if is_left else 0.0 for residual in self.after},
+            "size": {residual.coordinate: residual.size if self._is_left else 0.0 for residual in self.after},
             "depends_on": [law.words for law in self.may_follow],
         }
         for law in self.may_follow:
@@ -193,8 +192,12 @@ class Diagnosis:
     @cached_property
     def may_follow(self) -> tuple[Law, ...]:
         """Laws that what is left may follow: withdrawn ones, or else, where something is left, one that was refused."""
-        is_left = self.verdict in ("unexplained", "partly_explained")
-        return self.withdrawn or (may_follow(self.steps) if is_left else ())
+        return self.withdrawn or (may_follow(self.steps) if self._is_left else ())
+
+    @property
+    def _is_left(self) -> bool:
+        """Whether there is a gap that neither names nor laws explain."""
+        return self.verdict in ("unexplained", "partly_explained")
 
     @property
     def warnings(self) -> tuple[str, ...]:

@@ -224,7 +224,7 @@ def _beside(found: Diagnosis) -> Iterator[str]:
     for effect in found.effects:
         if effect.name in effect.confusable_with:
             yield f"push with one arm alone, then with another: that tells whose {effect.name} it is"
-    for law in (*found.final.laws, *found.withdrawn)[:1]:
+    for law in (*found.final.laws, *found.may_follow)[:1]:
         other = "begin the same motion later" if law.name == "time" else f"repeat the motion with another {law.name}"
         yield f"{other}, to see whether the force follows {'the clock' if law.name == 'time' else 'it'}"
     if found.verdict in ("unexplained", "partly_explained"):

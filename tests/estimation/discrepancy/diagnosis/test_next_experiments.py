@@ -18,7 +18,7 @@ def nothing_open(monkeypatch):
     monkeypatch.setattr("estimation.discrepancy.diagnosis.next_experiments.undecided", lambda _: None)
 
 
-def diagnosis(names=(), verdict="explained", laws=(), is_moved=True, arms=("hand",)):
+def diagnosis(names=(), verdict="explained", laws=(), may_follow=(), is_moved=True, arms=("hand",)):
     effect = SimpleNamespace(name="force_bias", label="", confusable_with=tuple(names))
     hand = SimpleNamespace(contact=np.tile([-0.3, 0.1, 1.0], (2, 1)))
     log = SimpleNamespace(
@@ -28,7 +28,7 @@ def diagnosis(names=(), verdict="explained", laws=(), is_moved=True, arms=("hand
         effects=(effect,),
         checks=(SimpleNamespace(noise=SimpleNamespace(force=3.0, moment=0.1, position=5e-4), rate=100.0),),
         final=SimpleNamespace(logs=(SimpleNamespace(log=log),), laws=laws),
-        withdrawn=(),
+        may_follow=may_follow,
         is_moved=is_moved,
         verdict=verdict,
         limits=Limits(),
@@ -86,3 +86,4 @@ def test_what_else_would_help():
     assert "twice" in next_experiment(diagnosis(verdict="unexplained")).words[0]
     laws = (SimpleNamespace(name="travelled distance"),)
     assert "another travelled distance" in next_experiment(diagnosis(laws=laws)).words[0]
+    assert next_experiment(diagnosis(may_follow=laws)).words == next_experiment(diagnosis(laws=laws)).words
