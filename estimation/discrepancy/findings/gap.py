@@ -17,8 +17,7 @@ from .rollouts import HORIZONS, starts
 BEYOND_NOISE = 2.0
 """Multiple of what noise alone makes of rollouts: a larger gap is a disagreement."""
 CLOSED = 0.05
-"""Share of the squared gap above the noise floor that may be left where it is explained; a law that closes no more is
-none."""
+"""Share of the squared gap above the noise floor that may be left where it is explained."""
 COORDINATES = ("along", "across", "heading")
 
 

@@ -12,9 +12,9 @@ from ..search.attempts import Step
 from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import LEAST_SIZE, ODDS, TOLD
+from ..search.plausible import ODDS, TOLD
 from .certainty import Certainty
-from .gap import BEYOND_NOISE, CLOSED
+from .gap import BEYOND_NOISE
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .refusal import WORSE, foretells_better, is_beyond
 from .rivals import undecided
@@ -26,22 +26,19 @@ MOSTLY = 0.8
 
 def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
     """The model without what does not hold, and the laws that were withdrawn. First go loads that what nobody recorded
-    may look like. Then go laws that close next to nothing of the gap, or a tenth of its size where they surely foretell
-    stretches better, for rollouts of both share the noise. Last additions go while unseen stretches are predicted no
-    better with them than by what is known, or refitted, and surely farther off than noise."""
+    may look like. Then go laws without which unseen stretches are surely foretold better: rows tell what is fast by
+    many nats, and rollouts, which add up, next to nothing of it. Last additions go while unseen stretches are predicted
+    no better with them than by what is known, or refitted, and surely farther off than noise."""
     final = without(final, within_bracket(final, known))
     laws = final.laws
     if not (laws or added(final)):
         return final, ()
     best = _known_error(nominal)
     floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
-    whole = max(best**2 - floor**2, 0.0) if np.isfinite(best) else 0.0
     for law in laws:
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        bare = rollout_error(held_out_rollouts(less))
-        is_much = bare**2 > max(error, floor) ** 2 + CLOSED * whole
-        if not (is_much or (bare**2 > error**2 + LEAST_SIZE**2 * whole and foretells_better(final, less))):
-            final, error = less, bare
+        if foretells_better(less, final):
+            final, error = less, rollout_error(held_out_rollouts(less))
     while (final.laws or added(final)) and error >= max(_most(final, best), floor) and is_beyond(final, floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
         final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()

@@ -206,9 +206,9 @@ def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt 
 
 
 def _closing(attempts: list[Attempt], model: Model, closes: Closes) -> Attempt | None:
-    """What has a name, acts all the time and gains less, where it closes most of the gap on stretches that no fit saw:
-    what drifts is cheap beside noise with a long memory, and adds up in rollouts."""
-    best = chosen([one for one in attempts if one.error and not isinstance(one.candidate, Law)], 0.0, CONFUSABLE)
+    """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
+    is cheap beside noise with a long memory, and adds up in rollouts."""
+    best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE)
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
