@@ -5,7 +5,7 @@
 Carts, effects and sensors are those of `benchmarks.sealed`, whose equations share no code with the package. The first
 log is a slow straight push. Then what the diagnosis of all logs so far proposes is recorded, from the same place, until
 one name is left and it is the right one; beside that, pieces of the same list in random order, within the same limits,
-as long. DIR gets NAME.json of each cart, so a run goes on where it was stopped, and `active.md`.
+as long. DIR gets a file of each cart and limits, so a run goes on where it was stopped, and `active.md`.
 """
 
 from __future__ import annotations
@@ -126,7 +126,7 @@ def run_way(way: str, scene: Scene, begun: tuple[RunLog, Diagnosis], of: tuple[s
 
 def run_one(job: tuple[str, int], out: Path, limits: Limits = LIMITS) -> dict[str, Run]:
     name, seed = job
-    file = out / f"{name}-{seed}.json"
+    file = out / f"{name}-{seed}-{limits.speed:g}-{limits.duration:g}.json"
     if not file.is_file():
         write_atomically(file, json.dumps([vars(run) for run in run_cart(name, seed, limits)], indent=1) + "\n")
     told = json.loads(file.read_text(encoding="utf-8"))

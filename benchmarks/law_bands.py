@@ -60,7 +60,9 @@ def band(folder: Path, truth: Path) -> Band | None:
     laws = [law for _, law in said.certainty.laws]
     if not laws:
         return None
-    (balances,) = said.final.logs
+    if len(said.final.logs) > 1:  # cut where it was hit, or not seen
+        return None
+    balances = said.final.logs[0]
     moving = np.flatnonzero(np.abs(balances.motion.velocity[:, 0]) > MOVES)[::EVERY]
     true = hidden(balances.motion, World(**told["world"]))[moving]
     axis = int(np.argmax((true**2).sum(axis=0)))
@@ -72,12 +74,15 @@ def band(folder: Path, truth: Path) -> Band | None:
         return np.asarray(cart.effect_wrench(state, time=balances.motion.time[moving])[:, 2 * axis])
 
     force, variance = np.zeros(len(moving)), np.zeros(len(moving))
+    beside = [acting(e) for e in said.final.cart.effects if not isinstance(e, SensorEffect | InertiaEffect)]
     for law in laws:
         shares = np.column_stack([acting(law.effect.with_values(one)) for one in np.eye(len(law.effect.values))])
         force += shares @ law.effect.values
         variance += (law.curve(law.seen[moving])[1] * acting(constant(law.effect))) ** 2
-    beside = [acting(e) for e in said.final.cart.effects if not isinstance(e, SensorEffect | InertiaEffect)]
-    off, std = alone(force - true[:, axis], beside), np.sqrt(variance)
+        left = np.column_stack([alone(one, beside) for one in shares.T])
+        variance += np.einsum("na,ab,nb->n", left, law.covariance, left)
+        variance -= np.einsum("na,ab,nb->n", shares, law.covariance, shares)
+    off, std = alone(force - true[:, axis], beside), np.sqrt(np.maximum(variance, 0.0))
     held = float((np.abs(off) <= INTERVAL * std).mean())
     return Band(told["case"], rms(true[:, axis]), held, rms(off), rms(std))
 

@@ -111,9 +111,7 @@ class SplineFit:
     def beside(self, time: Array, known: tuple[Array, Array]) -> tuple[Array, float]:
         """Smooth coefficients of what the samples have beside what is `known` of the signal and its rate (n,) at times
         (n,), and the penalty. Weights of samples stay."""
-        right = self._normal[1] - self._right(
-            [np.interp(one.time, time, known[one.derivative]) for one in self._samples]
-        )
+        right = self._normal[1] - self._right([_at(one, time, known) for one in self._samples])
         penalty = self._likely_penalty(right)
         return self._solved(penalty, right), penalty
 
@@ -121,10 +119,7 @@ class SplineFit:
         self, time: Array, known: tuple[Array, Array], penalty: float, generator: np.random.Generator
     ) -> Array:
         """What `beside` makes, with that penalty, of the samples' noise and of errors of what is known."""
-        errors = [
-            one.std * generator.standard_normal(len(one.time)) - np.interp(one.time, time, known[one.derivative])
-            for one in self._samples
-        ]
+        errors = [one.std * generator.standard_normal(len(one.time)) - _at(one, time, known) for one in self._samples]
         return self._solved(penalty, self._right(errors))
 
     def _weigh(self, weights: list[Array]) -> None:
@@ -160,11 +155,21 @@ class SplineFit:
         return coefficients
 
     def _solved(self, penalty: float, right: Array) -> Array:
-        matrix = self._normal[0]
-        return np.asarray(cho_solve_banded((cholesky_banded(matrix + penalty * self._roughness), False), right))
+        parabola, rest = self._without_parabola(right)
+        matrix = self._normal[0] + penalty * self._roughness
+        return np.asarray(parabola + cho_solve_banded((cholesky_banded(matrix), False), rest))
+
+    def _without_parabola(self, right: Array) -> tuple[Array, Array]:
+        """Coefficients (count,) of the parabola that fits best, which no penalty changes, and the right side (count,)
+        that is left. Beside one that is far larger than the rest, rounding would leave nothing of that."""
+        place = np.linspace(-1.0, 1.0, self.basis.count)
+        free = np.column_stack([np.ones_like(place), place, place**2])
+        weighed = _times(self._normal[0], free)
+        parabola = np.linalg.lstsq(free.T @ weighed, free.T @ right, rcond=None)[0]
+        return free @ parabola, right - weighed @ parabola
 
     def _likely_penalty(self, right: Array) -> float:
-        matrix = self._normal[0]
+        matrix, (_, right) = self._normal[0], self._without_parabola(right)
         scale, free = float(np.mean(matrix[-1])), self.basis.count - ORDER
         stiffest = STIFF + float(np.log10(self._weight_of_values / scale))
 
@@ -176,6 +181,25 @@ class SplineFit:
 
         decade = float(minimize_scalar(misfit, bounds=(LOOSE, stiffest), method="bounded").x)
         return float(scale * 10.0**decade)
+
+
+def _at(samples: Samples, time: Array, known: tuple[Array, Array]) -> Array:
+    """What is known of a signal and of its rate at times (n,), at those of samples; beyond, it goes on straight."""
+    value = np.interp(samples.time, time, known[samples.derivative])
+    if samples.derivative:
+        return value
+    beyond = samples.time - np.clip(samples.time, time[0], time[-1])
+    return np.asarray(value + beyond * np.where(beyond < 0.0, known[1][0], known[1][-1]))
+
+
+def _times(banded: Array, columns: Array) -> Array:
+    """A symmetric matrix in upper banded form (width + 1, n) times columns (n, k)."""
+    width, found = len(banded) - 1, banded[-1][:, None] * columns
+    for k in range(1, width + 1):
+        off = banded[width - k, k:, None]
+        found[:-k] += off * columns[k:]
+        found[k:] += off * columns[:-k]
+    return np.asarray(found)
 
 
 def _banded(matrix: csr_array, width: int) -> Array:

@@ -45,7 +45,7 @@ def test_what_was_run_is_told_and_not_run_again(tmp_path):
         Run(PROPOSED, ((), ("a", "b"), ("a",)), ("x", "y", "z"), True, 1.0),
         Run(RANDOM, ((),) * (MOST + 1), ("x",) * (MOST + 1), False, 1.0),
     ]
-    (tmp_path / "a-0.json").write_text(json.dumps([vars(run) for run in runs]), encoding="utf-8")
+    (tmp_path / "a-0-0.8-10.json").write_text(json.dumps([vars(run) for run in runs]), encoding="utf-8")
     found = run_one(("a", 0), tmp_path)
     assert found == {run.way: run for run in runs}
     assert (found[PROPOSED].logs, found[RANDOM].logs) == (2, None)

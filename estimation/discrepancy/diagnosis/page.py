@@ -52,7 +52,7 @@ WORDS = {
     "laws": "Left the forces that rows ask for, all else taken away, with the law's curve and its band (± one standard "
     "deviation of its numbers and its phase, not of what finer ones would add); right what it leaves of them. Rows are "
     "means over some 0.2 s, which round off what is shorter.",
-    "rollouts": "Simulated from the measured motion on, with the recorded wrenches, by what was learned from other "
+    "rollouts": "Simulated from where the cart was, with the recorded wrenches, by what was learned from other "
     "stretches; nominal is the cart as its file has it.",
     "gap": "Root mean square over all unseen stretches.",
     "isolability": "What effects of usual size would do on this motion, in standard deviations that the rest can't do.",

@@ -13,6 +13,7 @@ from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
+from ..findings.driven import Driven
 from ..findings.held_out import FOLDS, fold_carts, fold_starts
 from ..findings.rollouts import HORIZONS, rolled_out, rollouts
 from .drawing import KINDS, grid
@@ -74,9 +75,9 @@ def _draw(row: np.ndarray, stretch: Stretch, carts: dict[str, CartModel]) -> Non
     after = np.arange(0, round(HORIZONS[LAST] / motion.step) + 1, EVERY)
     time = motion.time[stretch.first + after] - motion.time[stretch.first]
     for name, cart in carts.items():
-        true = stretch.balances.motion.of_body(cart).pose[stretch.first + after]
-        rolled = rolled_out(stretch.balances, cart, np.array([stretch.first]), after=after[1:])[0]
-        pose = np.vstack([true[:1], rolled])
+        true, driven = motion.of_body(cart).pose[stretch.first + after], Driven.of(stretch.balances, cart)
+        rolled = rolled_out(stretch.balances, cart, np.array([stretch.first]), driven, after[1:])[0]
+        pose = np.vstack([driven.pose[stretch.first], rolled])
         if name == "nominal":
             _rates(row, time, true, "measured")
         _rates(row, time, pose, name)

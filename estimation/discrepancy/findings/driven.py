@@ -45,9 +45,11 @@ class Driven:
 
 
 def _rate_s(balances: Balances, cart: CartModel, wrench: Array) -> Array:
-    """Rates (n, 3) of the tracked frame's pose in {s} that a cart gains from reduced wrenches (n, f)."""
+    """Rates (n, 3) of the tracked frame's pose in {s} that a cart gains from reduced wrenches (n, f); where these were
+    not seen, as it went."""
     f, motion = cart.constraints.n_free, balances.of_body(cart).motion
     rate = cart.state_rate(balances.state(cart), cart.planar_wrench(wrench), time=motion.time)[:, 3 : 3 + f]
+    rate = np.where(balances.wrenches.seen[:, None], rate, motion.smooth_acceleration)
     gained = cumulative_trapezoid(rate, motion.time, axis=0, initial=0) @ cart.basis_b.T
     back = inverted(cart.pose_tb)
     heading = motion.pose[:, 2] + back[2]

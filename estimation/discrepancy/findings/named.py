@@ -17,7 +17,6 @@ from ...impacts.end_stops import StopEstimate
 from ..search.attempts import Attempt, Step
 from ..search.candidates import free_label
 from ..search.gains import WORTH, added
-from ..search.laws import Law
 from ..search.model import Model
 from .certainty import Certainty
 from .learned import LearnedLaw
@@ -83,13 +82,11 @@ class _Told:
 def named(
     steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
-    """Added effects in order of addition; laws last, of which another form may have been added."""
-    by, first, by_variable = dict[str, _Told](), _largest(steps), dict[str, _Told]()
+    """Added effects in order of addition; laws last."""
+    by, first = dict[str, _Told](), _largest(steps)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
-            told = by.setdefault(step.added.key, _told(step, step.added, first, share))
-            if isinstance(step.added.candidate, Law) and step.added.candidate.period is None:
-                by_variable.setdefault(step.added.candidate.of, told)
+            by.setdefault(step.added.key, _told(step, step.added, first, share))
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
@@ -97,8 +94,7 @@ def named(
     for key, law in certainty.laws:
         sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
         parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
-        as_added = None if law.effect.period else by_variable.get(law.effect.of)
-        found.append(replace(_named(law.effect, parameters, by.get(key, as_added or _Told(UNTRIED))), law=law))
+        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED))), law=law))
     return tuple(found)
 
 

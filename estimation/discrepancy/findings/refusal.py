@@ -48,8 +48,8 @@ def refused(model: Model, guess: CartModel) -> str:
 
 def foretells_better(model: Model, less: Model) -> bool:
     """Whether a model's rollouts are surely nearer to unseen stretches than those of another of the same logs, by
-    Wilcoxon's signed ranks of blocks (one in which a force acts long must not hide all others), and by a tenth of the
-    error by size."""
+    Wilcoxon's signed ranks of blocks (one in which a force acts long must not hide all others), and by a hundredth of
+    the squares. Of fewer than six blocks nothing is sure."""
     far, near = (_squares(one, held_out_rollouts(one)) for one in (less, model))
     _, own = np.unique(_blocks(model), return_inverse=True)
     gained = np.bincount(own, far - near) / np.bincount(own)

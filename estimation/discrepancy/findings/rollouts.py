@@ -126,7 +126,7 @@ def noise_rollouts(
 
 
 def joined(parts: Sequence[Rollouts]) -> Rollouts:
-    return Rollouts(np.concatenate([one.error for one in parts]))
+    return Rollouts(np.concatenate([np.zeros((0, len(HORIZONS), 3)), *(one.error for one in parts)]))
 
 
 def _steps(balances: Balances) -> np.ndarray:

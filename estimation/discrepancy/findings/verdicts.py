@@ -47,7 +47,7 @@ def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
 
 
 def _kept(one: Attempt, final: Model) -> str:
-    """Whether what was added was kept, and in which form."""
+    """Whether what was added was kept."""
     if isinstance(one.candidate, Law):
         return ADDED if any(law.kind == one.candidate.kind for law in final.laws) else WITHDRAWN
     if isinstance(one.candidate, Refit):

@@ -1,4 +1,4 @@
-"""What was added, looked at again beside all that was added since: its settings, its form, its worth."""
+"""What was added, looked at again beside all that was added since: its settings, its worth."""
 
 from __future__ import annotations
 

@@ -42,6 +42,19 @@ def test_a_right_model_is_nearer_to_the_truth_than_what_is_smooth(seed):
     assert np.abs(driven.pose - true[:, :3]).max() < 1e-3
 
 
+def test_wrenches_that_are_lost_bend_nothing_beside():
+    """Five times for 0.1 s."""
+    log, truth = recorded(4)
+    lost = np.abs((log.time % 5.0) - 2.0) < 0.05
+    arms = {name: replace(arm, wrench=np.where(lost[:, None], np.nan, arm.wrench)) for name, arm in log.arms.items()}
+    balances = Balances.of(replace(log, arms=arms), CART)
+    driven, motion = Driven.of(balances, CART), balances.motion
+    true = np.column_stack([np.interp(motion.time, log.time, axis) for axis in truth[:, 3:].T])
+    near = balances.wrenches.seen & (np.abs((motion.time % 5.0) - 2.0) < 0.5)
+    off = [np.sqrt(((one - true)[near] ** 2).mean(axis=0)) for one in (driven.velocity, motion.velocity)]
+    assert (off[0] < off[1]).all()
+
+
 def test_it_does_not_matter_which_point_is_tracked():
     log, _ = recorded(4)
     cart = CART.with_effect(PoseOffset(*OFFSET))

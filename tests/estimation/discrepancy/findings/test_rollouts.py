@@ -14,7 +14,7 @@ from cartgrasp.wheels import Wheel
 from estimation.discrepancy.findings import rollouts as module
 from estimation.discrepancy.findings.gap import measured_gap
 from estimation.discrepancy.findings.held_out import floor_rollouts
-from estimation.discrepancy.findings.rollouts import HORIZONS, rolled_out, rollouts, starts
+from estimation.discrepancy.findings.rollouts import HORIZONS, joined, rolled_out, rollouts, starts
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 
@@ -37,6 +37,10 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert first[:, 0] == pytest.approx(0.5 * (20.0 / 25.0 - 1.0) / 2, abs=2e-4)
     assert first[:, 1:] == pytest.approx(0.0, abs=1e-6)
     assert found.gaps()[HORIZONS.index(1.0)] == pytest.approx(0.05, abs=3e-4)
+
+
+def test_of_no_rollouts_there_are_none():
+    assert joined([]).error.shape == (0, len(HORIZONS), 3)
 
 
 @pytest.mark.long
