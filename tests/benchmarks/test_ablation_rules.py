@@ -35,9 +35,9 @@ def test_a_rule_is_taken_away_and_put_back(rule):
 
 
 def test_a_rule_is_taken_away_where_it_was_imported():
-    with patched(BY_NAME["refusal.foretells_better"], BY_NAME["refusal.foretells_better"].off):
-        assert upheld.foretells_better(None, None) is False
-    assert upheld.foretells_better is refusal.foretells_better
+    with patched(BY_NAME["refusal.is_beyond"], BY_NAME["refusal.is_beyond"].off):
+        assert upheld.is_beyond(None, 0.1) is True
+    assert upheld.is_beyond is refusal.is_beyond
 
 
 def test_a_rule_is_noticed_where_it_says_something_else():

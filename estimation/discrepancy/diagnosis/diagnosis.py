@@ -333,7 +333,7 @@ def _diagnosed(
     is_moved = any(moves(balances) for balances in parts)
     found_in = searched(parts, known, cart, candidates, tell, closes_most) if is_moved else at_rest(parts, cart)
     nominal, final, steps, widest = found_in
-    final, withdrawn = upheld(final, widest)
+    final, withdrawn = upheld(final, nominal, widest)
     tell("measuring the gap")
     gap, stays = told_gap(nominal, final)
     shares = _shares(steps, final, gap)

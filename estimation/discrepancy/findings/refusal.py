@@ -58,6 +58,13 @@ def foretells_better(model: Model, less: Model) -> bool:
     return float(wilcoxon(gained, alternative="greater").pvalue) < float(norm.sf(SURE))
 
 
+def is_beyond(model: Model, floor: float) -> bool:
+    """Whether a model's rollouts are surely farther from unseen stretches than noise takes them (m); where too little
+    moves to tell, that they are farther is enough."""
+    score = _score(_squares(model, held_out_rollouts(model)) - floor**2, _blocks(model))
+    return score is None or score > SURE
+
+
 def _squares(model: Model, rolled: Rollouts) -> Array:
     """Squares (n,) of the distances of rollouts from the model's stretches, fold after fold."""
     squares = np.asarray((rolled.error[:, HORIZON, :2] ** 2).sum(axis=1))

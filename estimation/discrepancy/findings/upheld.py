@@ -12,11 +12,11 @@ from ..search.attempts import Step
 from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import TOLD
+from ..search.plausible import ODDS, TOLD
 from .certainty import Certainty
 from .gap import BEYOND_NOISE
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
-from .refusal import foretells_better
+from .refusal import WORSE, foretells_better, is_beyond
 from .rivals import undecided
 from .rollouts import Rollouts
 
@@ -24,19 +24,25 @@ MOSTLY = 0.8
 """Share of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
 
 
-def upheld(final: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
+def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
     """The model without what does not hold, and the laws that were withdrawn. First go loads that what nobody recorded
-    may look like. Then goes, laws first and the last additions before others, what unseen stretches are surely foretold
-    better without. That rollouts are no better with it is not enough: rows tell what is fast by many nats, and
-    rollouts, which add up, next to nothing of it."""
+    may look like. Then go laws without which unseen stretches are surely foretold better: rows tell what is fast by
+    many nats, and rollouts, which add up, next to nothing of it. Last additions go while unseen stretches are predicted
+    no better with them than by what is known, or refitted, and surely farther off than noise."""
     final = without(final, within_bracket(final, known))
     laws = final.laws
+    if not (laws or added(final)):
+        return final, ()
+    best = _known_error(nominal)
+    floor, error = rollout_error(floor_rollouts(final)), rollout_error(held_out_rollouts(final))
     for law in laws:
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
-        final = less if foretells_better(less, final) else final
-    for effect in reversed(added(final)):
-        less = without(final, [effect.key])
-        final = less if foretells_better(less, final) else final
+        if foretells_better(less, final):
+            final, error = less, rollout_error(held_out_rollouts(less))
+    while (final.laws or added(final)) and error >= max(_most(final, best), floor) and is_beyond(final, floor):
+        cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)
+        final = replace(final, laws=final.laws[:-1]).refitted(cart).settled()
+        error = rollout_error(held_out_rollouts(final))
     return final, tuple(law for law in laws if law not in final.laws)
 
 
@@ -54,6 +60,12 @@ def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
     most = TOLD * share * final.cart.inertia.mass
     loads = [effect for effect in added(final) if effect.name in INERTIAL]
     return [e.key for e in loads if abs(e.values[e.keys.index(f"{e.key}.mass")]) < most]
+
+
+def _most(final: Model, best: float) -> float:
+    """Error from which on stretches speak against what was added last. Against what every cart has, they speak only
+    where they are predicted worse."""
+    return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
 
 
 def closes_most(less: Model, more: Model) -> bool:

@@ -7,8 +7,10 @@ import pytest
 
 from cartgrasp.effects import FloorSlope, LearnedForce, LoadSlosh, RollingResistance
 from estimation.discrepancy.findings import upheld as module
-from estimation.discrepancy.findings.refusal import foretells_better
-from estimation.discrepancy.findings.upheld import closes_most, upheld, within_bracket
+from estimation.discrepancy.findings.held_out import held_out_rollouts
+from estimation.discrepancy.findings.refusal import foretells_better, is_beyond
+from estimation.discrepancy.findings.rollouts import Rollouts
+from estimation.discrepancy.findings.upheld import closes_most, rollout_error, upheld, within_bracket
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -62,7 +64,18 @@ def test_what_foretells_better_has_to_do_so_surely_and_by_some(monkeypatch, forc
     assert foretells_better(found, nominal) == is_told
     assert not foretells_better(nominal, found)
     assert not foretells_better(nominal, nominal)
-    assert upheld(found, (None,)) == (found, ())
+    noise = Rollouts(1.01 * held_out_rollouts(nominal).error)
+    monkeypatch.setattr(module, "floor_rollouts", lambda model: noise)
+    assert upheld(found, nominal, (None,)) == (found, ())
     monkeypatch.setattr(module, "foretells_better", lambda model, less: True)
-    final, withdrawn = upheld(found, (None,))
+    final, withdrawn = upheld(found, nominal, (None,))
     assert (final.laws, withdrawn) == ((), found.laws)
+
+
+def test_what_is_farther_off_than_noise_has_to_be_so_surely():
+    """A mean of squares over some dozen stretches is known to a tenth or two."""
+    model = Model.started([Balances.of(flat_spot(0.0), CART)], CART)
+    error = rollout_error(held_out_rollouts(model))
+    assert is_beyond(model, error / 2)
+    assert not is_beyond(model, 0.95 * error)
+    assert not is_beyond(model, 2 * error)
