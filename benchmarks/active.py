@@ -166,15 +166,8 @@ def main() -> None:
     options = parser.parse_args()
     options.out.mkdir(parents=True, exist_ok=True)
     jobs = [(name, seed) for name in options.effects.split(",") for seed in options.seeds]
-    found = dict(
-        zip(
-            jobs,
-            run_all(
-                partial(run_one, out=options.out, limits=Limits(options.speed, options.duration)), jobs, options.workers
-            ),
-            strict=True,
-        )
-    )
+    run = partial(run_one, out=options.out, limits=Limits(options.speed, options.duration))
+    found = dict(zip(jobs, run_all(run, jobs, options.workers), strict=True))
     print(write_atomically(options.out / "active.md", table(found)).read_text(encoding="utf-8"))
 
 

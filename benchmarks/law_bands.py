@@ -1,6 +1,8 @@
 """Whether the band of a law, as a page draws it, holds the force that was hidden, along the whole log.
 
-python -m benchmarks.law_bands DIR         logs of `python -m benchmarks.sealed generate --out DIR --cases laws`
+    python -m benchmarks.law_bands DIR         logs of `python -m benchmarks.sealed generate --out DIR --cases laws`
+
+What other effects give as well is taken out of both.
 """
 
 from __future__ import annotations
@@ -18,9 +20,10 @@ import numpy as np
 from joblib import Parallel, delayed
 
 from cartgrasp.cart_file import load_cart
-from cartgrasp.effects import Effect, InertiaEffect, LearnedForce, SensorEffect
+from cartgrasp.effects import Effect, InertiaEffect, SensorEffect
 from cartgrasp.logs import read_log
 from estimation import diagnose
+from estimation.discrepancy.search.laws import constant
 
 from .sealed.calibration import INTERVAL
 from .sealed.foreign import foreign_wrench
@@ -58,9 +61,7 @@ def band(folder: Path, truth: Path) -> Band | None:
     with np.errstate(all="ignore"):
         said = diagnose(read_log(own / "run.csv"), load_cart(own / "cart.yaml"))
     laws = [law for _, law in said.certainty.laws]
-    if not laws:
-        return None
-    if len(said.final.logs) > 1:  # cut where it was hit, or not seen
+    if not laws or len(said.final.logs) > 1:  # it was cut where the cart was hit, or not seen
         return None
     balances = said.final.logs[0]
     moving = np.flatnonzero(np.abs(balances.motion.velocity[:, 0]) > MOVES)[::EVERY]
@@ -85,12 +86,6 @@ def band(folder: Path, truth: Path) -> Band | None:
     off, std = alone(force - true[:, axis], beside), np.sqrt(np.maximum(variance, 0.0))
     held = float((np.abs(off) <= INTERVAL * std).mean())
     return Band(told["case"], rms(true[:, axis]), held, rms(off), rms(std))
-
-
-def constant(effect: LearnedForce) -> LearnedForce:
-    """One unit of the same force throughout."""
-    found = LearnedForce(effect.acts_on, "speed", lever=effect.lever, ahead=effect.ahead, amplitudes=(1.0,))
-    return replace(found, direction=effect.direction) if effect.acts_on == "world_force" else found
 
 
 def alone(error: np.ndarray, beside: list[np.ndarray]) -> np.ndarray:

@@ -48,7 +48,6 @@ RULES = (
     _rule("search.plausible", "is_plausible", says(True), "no name for what nobody would call so"),
     _rule("findings.upheld", "within_bracket", says([]), "no load within what bands leave open of the mass"),
     _rule("findings.named", "doubted", says([]), "no name that is more likely wrong than right"),
-    _rule("findings.refusal", "foretells_better", says(False), "laws go without which stretches are foretold better"),
     _rule("findings.refusal", "is_beyond", says(True), "withdraws only what is surely farther off than noise"),
     _rule("findings.told_mass", "told_mass", BOTH, "the mass in the middle of what bands leave open"),
     _rule("findings.soft_push", "soft_gain", says(-inf), "pushes that rise and fall"),

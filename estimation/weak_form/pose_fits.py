@@ -27,23 +27,23 @@ class PoseFits:
         """Poses and rates (n, 3) that keep to what is known of the rates, (n, 3), but for what is smooth; and the
         penalties (3,) that make it so."""
         moved = self._moved(known)
-        own = [fit.beside(self.time, one) for fit, one in zip(self.fits, self._signals(moved, known), strict=True)]
+        own = [fit.beside(self.time, one) for fit, one in zip(self.fits, _by_axis(moved, known), strict=True)]
         pose, rate = self._summed([coefficients for coefficients, _ in own], moved, known)
         return pose, rate, np.array([penalty for _, penalty in own])
 
     def noise_beside(self, known: Array, penalties: Array, generator: np.random.Generator) -> tuple[Array, Array]:
         """Errors (n, 3) of such poses and rates that the sensors' noise makes, and errors of what is known."""
         moved = self._moved(known)
-        parts = zip(self.fits, self._signals(moved, known), penalties, strict=True)
+        parts = zip(self.fits, _by_axis(moved, known), penalties, strict=True)
         return self._summed([fit.noise_beside(self.time, own, one, generator) for fit, own, one in parts], moved, known)
 
     def _moved(self, rate: Array) -> Array:
         return np.asarray(cumulative_trapezoid(rate, self.time, axis=0, initial=0))
 
-    @staticmethod
-    def _signals(moved: Array, rate: Array) -> Iterator[tuple[Array, Array]]:
-        return zip(moved.T, rate.T, strict=True)
-
     def _summed(self, coefficients: list[Array], moved: Array, rate: Array) -> tuple[Array, Array]:
         own = np.column_stack(coefficients)
         return moved + self.value @ own, rate + self.rate @ own
+
+
+def _by_axis(value: Array, rate: Array) -> Iterator[tuple[Array, Array]]:
+    return zip(value.T, rate.T, strict=True)

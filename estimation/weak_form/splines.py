@@ -127,7 +127,9 @@ class SplineFit:
         matrix = np.zeros((DEGREE + 1, self.basis.count))
         for design, weight in zip(self._designs, weights, strict=True):
             matrix += _banded((design.T @ (diags_array(weight) @ design)).tocsr(), DEGREE)
-        self._weights = weights
+        place = np.linspace(-1.0, 1.0, self.basis.count)
+        free = np.column_stack([np.ones_like(place), place, place**2])
+        self._weights, self._parabolas = weights, (free, _times(matrix, free))
         self._normal = matrix, self._right([one.value for one in self._samples])
 
     def _right(self, values: Sequence[Array]) -> Array:
@@ -162,9 +164,7 @@ class SplineFit:
     def _without_parabola(self, right: Array) -> tuple[Array, Array]:
         """Coefficients (count,) of the parabola that fits best, which no penalty changes, and the right side (count,)
         that is left. Beside one that is far larger than the rest, rounding would leave nothing of that."""
-        place = np.linspace(-1.0, 1.0, self.basis.count)
-        free = np.column_stack([np.ones_like(place), place, place**2])
-        weighed = _times(self._normal[0], free)
+        free, weighed = self._parabolas
         parabola = np.linalg.lstsq(free.T @ weighed, free.T @ right, rcond=None)[0]
         return free @ parabola, right - weighed @ parabola
 

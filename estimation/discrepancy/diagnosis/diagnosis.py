@@ -138,8 +138,7 @@ class Diagnosis:
     @cached_property
     def disagrees(self) -> bool:
         """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
-        beyond = self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
-        return bool(self.effects or beyond)
+        return bool(self.effects) or self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
 
     @cached_property
     def is_moved(self) -> bool:

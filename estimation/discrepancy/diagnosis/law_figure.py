@@ -3,16 +3,14 @@ curve and its band on top; and what is left with the law."""
 
 from __future__ import annotations
 
-from dataclasses import replace
 from typing import TYPE_CHECKING
 
 import numpy as np
 from matplotlib.figure import Figure
 
-from cartgrasp.effects import LearnedForce
 from cartgrasp.frames import Array
 
-from ..search.laws import row_values, variable_of
+from ..search.laws import constant, row_values, variable_of
 from ..where.residual import finely
 from .drawing import KINDS, ZERO, on_floor, sides
 
@@ -59,14 +57,8 @@ def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array
     at = np.split(row_values(law.effect, logs), np.cumsum([len(rest) for rest in left])[:-1])
     for balances, rest, own_at in zip(logs, left, at, strict=True):
         own = (balances.columns(model.cart, law.effect) @ law.effect.values)[:, last]
-        unit = balances.columns(model.cart, _constant(law.effect))[:, last, 0]
+        unit = balances.columns(model.cart, constant(law.effect))[:, last, 0]
         shown = np.abs(unit) >= LEAST_UNIT * np.abs(unit).max()
         parts.append((own_at[shown], ((rest[:, last] + own) / unit)[shown], (own / unit)[shown]))
     where, force, told = (np.concatenate(each) for each in zip(*parts, strict=True))
     return where, force, told
-
-
-def _constant(effect: LearnedForce) -> LearnedForce:
-    """One unit of the same force throughout."""
-    plain = LearnedForce(effect.acts_on, "speed", lever=effect.lever, ahead=effect.ahead, amplitudes=(1.0,))
-    return replace(plain, direction=effect.direction) if effect.acts_on == "world_force" else plain

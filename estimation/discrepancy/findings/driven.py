@@ -17,31 +17,36 @@ from ...weak_form.balances import Balances
 
 @dataclass(frozen=True, eq=False)
 class Driven:
-    """Poses (n, 3) and free velocities (n, f) of {b} along a log, with reduced wrenches (n, f)."""
+    """Poses (n, 3) and free velocities (n, f) of {b} along a log, with reduced wrenches (n, f). In {s}, of the tracked
+    frame: its `known` rates (n, 3), which the cart gains from these, and its pose and rate, (n, 3) each, that keep to
+    them with such penalties (3,)."""
 
     balances: Balances
     cart: CartModel
     wrench: Array
     pose: Array
     velocity: Array
+    known: Array
+    tracked: tuple[Array, Array]
     penalties: Array
 
     @classmethod
     def of(cls, balances: Balances, cart: CartModel) -> Driven:
         wrench = balances.wrenches.planar(cart) @ cart.basis_b
-        pose, rate, penalties = balances.motion.fits.beside(_rate_s(balances, cart, wrench))
-        return cls(balances, cart, wrench, *_of_body(cart, pose, rate), penalties)
+        known = _rate_s(balances, cart, wrench)
+        pose, rate, penalties = balances.motion.fits.beside(known)
+        return cls(balances, cart, wrench, *_of_body(cart, pose, rate), known, (pose, rate), penalties)
 
     def with_noise(self, density: Array, generator: np.random.Generator) -> Driven:
         """The same with the noise of the motion's sensors once more, and with white noise of the reduced wrench, by the
         root of its density (f,), N/√Hz, N·m/√Hz."""
-        fits, step = self.balances.motion.fits, self.balances.motion.step
-        wrench = self.wrench + generator.standard_normal(self.wrench.shape) * density / step**0.5
-        known, noisy = (_rate_s(self.balances, self.cart, one) for one in (self.wrench, wrench))
-        pose, rate = fits.beside(known)[:2]
-        more = fits.noise_beside(noisy - known, self.penalties, generator)
-        own = _of_body(self.cart, pose + more[0], rate + more[1])
-        return replace(self, wrench=wrench, pose=own[0], velocity=own[1])
+        motion = self.balances.motion
+        wrench = self.wrench + generator.standard_normal(self.wrench.shape) * density / motion.step**0.5
+        known = _rate_s(self.balances, self.cart, wrench)
+        more = motion.fits.noise_beside(known - self.known, self.penalties, generator)
+        tracked = self.tracked[0] + more[0], self.tracked[1] + more[1]
+        pose, velocity = _of_body(self.cart, *tracked)
+        return replace(self, wrench=wrench, pose=pose, velocity=velocity, known=known, tracked=tracked)
 
 
 def _rate_s(balances: Balances, cart: CartModel, wrench: Array) -> Array:

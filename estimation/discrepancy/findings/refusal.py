@@ -1,18 +1,15 @@
 """Whether a refit foretells stretches that it did not see worse than the first guess: then it is no better, whatever
-its likelihood says. And whether one model foretells them better than another: stretch by stretch, that shows long
-before either is farther off than noise."""
+its likelihood says. And whether a model is surely farther from them than noise takes it."""
 
 from __future__ import annotations
 
 import numpy as np
-from scipy.stats import norm, wilcoxon
 
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..search.model import Model
-from ..search.plausible import LEAST_SIZE
 from .gap import BEYOND_NOISE
 from .held_out import floor_rollouts, fold_starts, held_out_rollouts
 from .rollouts import HORIZONS, Rollouts, joined, rollouts
@@ -44,18 +41,6 @@ def refused(model: Model, guess: CartModel) -> str:
         f"the fit foretells unseen stretches worse than the first guess: {1e3 * after:.1f} mm off after "
         f"{HORIZONS[HORIZON]:g} s, not {1e3 * before:.1f} mm; the first guess stays"
     )
-
-
-def foretells_better(model: Model, less: Model) -> bool:
-    """Whether a model's rollouts are surely nearer to unseen stretches than those of another of the same logs, by
-    Wilcoxon's signed ranks of blocks (one in which a force acts long must not hide all others), and by a hundredth of
-    the squares. Of fewer than six blocks nothing is sure."""
-    far, near = (_squares(one, held_out_rollouts(one)) for one in (less, model))
-    _, own = np.unique(_blocks(model), return_inverse=True)
-    gained = np.bincount(own, far - near) / np.bincount(own)
-    if not (far - near).sum() > LEAST_SIZE**2 * far.sum():
-        return False
-    return float(wilcoxon(gained, alternative="greater").pvalue) < float(norm.sf(SURE))
 
 
 def is_beyond(model: Model, floor: float) -> bool:

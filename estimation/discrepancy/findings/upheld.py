@@ -16,7 +16,7 @@ from ..search.plausible import ODDS, TOLD
 from .certainty import Certainty
 from .gap import BEYOND_NOISE
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
-from .refusal import WORSE, foretells_better, is_beyond
+from .refusal import WORSE, is_beyond
 from .rivals import undecided
 from .rollouts import Rollouts
 
@@ -26,10 +26,10 @@ MOSTLY = 0.8
 
 def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
     """The model without what does not hold, and the laws that were withdrawn. First go loads that what nobody recorded
-    may look like. Then go laws without which unseen stretches are foretold better, on the whole or surely. That they
-    are hardly worse is not enough: rows tell what is fast by many nats, and rollouts, which add up, next to nothing of
-    it. Last additions go while unseen stretches are predicted no better with them than by what is known, or refitted,
-    and surely farther off than noise."""
+    may look like. Then go laws without which unseen stretches are foretold better. That these are hardly better with it
+    is no reason: rows tell what is fast by many nats, and rollouts, which add up, next to nothing of it. Last additions
+    go while unseen stretches are predicted no better with them than by what is known, or refitted, and surely farther
+    off than noise."""
     final = without(final, within_bracket(final, known))
     laws = final.laws
     if not (laws or added(final)):
@@ -39,7 +39,7 @@ def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[
     for law in laws:
         less = replace(final, laws=tuple(one for one in final.laws if one is not law)).refitted(final.cart).settled()
         bare = rollout_error(held_out_rollouts(less))
-        if bare < error or foretells_better(less, final):
+        if bare < error:
             final, error = less, bare
     while (final.laws or added(final)) and error >= max(_most(final, best), floor) and is_beyond(final, floor):
         cart = final.cart if final.laws else final.cart.without_effect(added(final)[-1].key)

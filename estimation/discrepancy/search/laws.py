@@ -124,6 +124,12 @@ def variable_of(effect: LearnedForce) -> str:
     return VARIABLES.get(effect.of, effect.of)
 
 
+def constant(effect: LearnedForce) -> LearnedForce:
+    """One unit of the same force throughout."""
+    plain = LearnedForce(effect.acts_on, "speed", lever=effect.lever, ahead=effect.ahead, amplitudes=(1.0,))
+    return replace(plain, direction=effect.direction) if effect.acts_on == "world_force" else plain
+
+
 def unit_of(effect: LearnedForce) -> str:
     """Unit of an effect's variable."""
     return UNITS.get(effect.of, "m")
