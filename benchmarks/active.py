@@ -4,8 +4,9 @@
 
 Carts, effects and sensors are those of `benchmarks.sealed`, whose equations share no code with the package. The first
 log is a slow straight push. Then what the diagnosis of all logs so far proposes is recorded, from the same place, until
-one name is left and it is the right one; beside that, pieces of the same list in random order, within the same limits,
-as long. DIR gets a file of each cart and limits, so a run goes on where it was stopped, and `active.md`.
+one name is left and it is the right one. Beside that, within the same limits and as long: pieces of the same list in
+random order (`shuffled`), and speeds that are drawn anew every one to three seconds (`random`). DIR gets a file of each
+cart and limits, so a run goes on where it was stopped, and `active.md`.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from cartgrasp.reference_file import StoredReference, Stretch
 from cartgrasp.studies.parallel import run_all
 from cartgrasp.writing import write_atomically
 from estimation import Diagnosis, diagnose
-from estimation.experiments.manoeuvres import Limits, pieces
+from estimation.experiments.manoeuvres import ACCELERATION, REST, YAW_ACCELERATION, Limits, pieces
 from planning.references import PathReference
 
 from .sealed.__main__ import seeds
@@ -47,7 +48,9 @@ FIRST_SAYS = "straight on at 0.25 m/s for 10 s"
 LIMITS = Limits(speed=0.8, duration=10.0)
 MOST = 5
 """Logs after the first."""
-WAYS = PROPOSED, RANDOM = "proposed", "random"
+WAYS = PROPOSED, SHUFFLED, RANDOM = "proposed", "shuffled", "random"
+HOLDS = (1.0, 3.0)
+"""Shortest and longest time (s) from one random speed to the next."""
 
 
 @dataclass(frozen=True)
@@ -89,14 +92,39 @@ def names_left(found: Diagnosis) -> tuple[str, ...]:
     return tuple(sorted({name for one in found.effects for name in (one.name, *one.confusable_with)}))
 
 
-def at_random(random: np.random.Generator, cart: CartModel, limits: Limits = LIMITS) -> StoredReference:
+def shuffled(random: np.random.Generator, cart: CartModel, limits: Limits = LIMITS) -> StoredReference:
     """Pieces of the list in random order, as long as a proposal."""
     chosen, left, known = list[Stretch](), limits.duration, pieces(limits, cart.constraints)
     while fitting := [piece for piece in known if piece.duration <= left + PERIOD / 2]:
         piece = fitting[int(random.integers(len(fitting)))]
         chosen += piece.stretches
         left -= piece.duration
-    return StoredReference(tuple(chosen), says="at random")
+    return StoredReference(tuple(chosen), says="shuffled")
+
+
+def at_random(random: np.random.Generator, cart: CartModel, limits: Limits = LIMITS) -> StoredReference:
+    """Forward speeds and yaw rates drawn uniformly within the limits, one after the other, as long as a proposal; at
+    rest at last."""
+    most = np.array([limits.speed, 0.0 if cart.constraints.no_rotation else limits.yaw_rate])
+    chosen, speeds, left = list[Stretch](), np.zeros(2), limits.duration
+    while True:
+        wanted = random.uniform(-most, most)
+        ramp = _ramp(wanted - speeds)
+        duration = max(round(float(random.uniform(*HOLDS)), 1), ramp + PERIOD)
+        if duration + _ramp(wanted) + REST > left:
+            break
+        chosen += [Stretch(ramp, *((wanted - speeds) / ramp)), Stretch(duration - ramp)]
+        speeds, left = wanted, left - duration
+    ramp = _ramp(speeds)
+    return StoredReference((*chosen, Stretch(ramp, *(-speeds / ramp)), Stretch(REST)), says="at random")
+
+
+def _ramp(change: np.ndarray) -> float:
+    """Time (s) that a change of forward speed and yaw rate takes."""
+    return round(float(np.max(np.abs(change) / (ACCELERATION, YAW_ACCELERATION))) + PERIOD, 2)
+
+
+CHANCE = {SHUFFLED: shuffled, RANDOM: at_random}
 
 
 def run_cart(name: str, seed: int, limits: Limits = LIMITS) -> list[Run]:
@@ -113,7 +141,7 @@ def run_way(way: str, scene: Scene, begun: tuple[RunLog, Diagnosis], of: tuple[s
     noise, motion = (random_of(f"{name} {kind} {way}", seed, "active") for kind in ("noise", "motion"))
     logs, left, said = [log], [names_left(found)], [FIRST_SAYS]
     while left[-1] != (name,) and len(logs) <= MOST:
-        reference = found.next_reference if way == PROPOSED else at_random(motion, found.cart, limits)
+        reference = found.next_reference if way == PROPOSED else CHANCE[way](motion, found.cart, limits)
         if reference is None:
             said.append(found.next_experiment.why_none)
             break
@@ -136,7 +164,7 @@ def run_one(job: tuple[str, int], out: Path, limits: Limits = LIMITS) -> dict[st
 
 def table(found: dict[tuple[str, int], dict[str, Run]]) -> str:
     """Medians over seeds of each effect, and of all."""
-    rows = ["| effect | names left after the first log | proposed | at random |", "| --- | --- | --- | --- |"]
+    rows = ["| effect | names left after the first log | proposed | shuffled | at random |", "|" + " --- |" * 5]
     for name in dict.fromkeys(name for name, _ in found):
         runs = [ways for (effect, _), ways in found.items() if effect == name]
         first = ", ".join(str(len(ways[PROPOSED].left[0])) for ways in runs)

@@ -5,7 +5,7 @@ import json
 import numpy as np
 import pytest
 
-from benchmarks.active import EFFECTS, FIRST, LIMITS, MOST, PROPOSED, RANDOM, Run, at_random, recorded, run_one, table
+from benchmarks.active import CHANCE, EFFECTS, FIRST, LIMITS, MOST, WAYS, Run, recorded, run_one, table
 from benchmarks.sealed.cases import draw_case
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.inertia import Inertia
@@ -28,9 +28,10 @@ def test_the_hidden_cart_follows_the_reference():
     assert np.abs(np.hypot(*log.pose[:, :2].T) - wanted).max() < 0.2
 
 
-def test_chance_keeps_within_the_limits_of_a_proposal():
+@pytest.mark.parametrize("way", CHANCE)
+def test_chance_keeps_within_the_limits_of_a_proposal(way):
     random = np.random.default_rng(0)
-    known = [at_random(random, CART) for _ in range(20)]
+    known = [CHANCE[way](random, CART) for _ in range(20)]
     assert len({one.stretches for one in known}) > 15
     for one in known:
         path = PathReference(one.stretches)
@@ -38,15 +39,16 @@ def test_chance_keeps_within_the_limits_of_a_proposal():
         u, r = np.abs([path.at(t).velocity for t in np.arange(0.0, path.duration, 0.1)]).max(axis=0)
         assert u <= LIMITS.speed + 1e-6
         assert r <= LIMITS.yaw_rate + 1e-6
+        assert path.at(path.duration).velocity == pytest.approx((0.0, 0.0), abs=1e-9)
 
 
 def test_what_was_run_is_told_and_not_run_again(tmp_path):
     runs = [
-        Run(PROPOSED, ((), ("a", "b"), ("a",)), ("x", "y", "z"), True, 1.0),
-        Run(RANDOM, ((),) * (MOST + 1), ("x",) * (MOST + 1), False, 1.0),
+        Run(way, ((), ("a", "b"), ("a",)) if k == 0 else ((),) * (MOST + 1), ("x",) * (MOST + 1), k == 0, 1.0)
+        for k, way in enumerate(WAYS)
     ]
     (tmp_path / "a-0-0.8-10.json").write_text(json.dumps([vars(run) for run in runs]), encoding="utf-8")
     found = run_one(("a", 0), tmp_path)
     assert found == {run.way: run for run in runs}
-    assert (found[PROPOSED].logs, found[RANDOM].logs) == (2, None)
-    assert f"| `a` | 0 | 2 (2) | more than {MOST} (-) |" in table({("a", 0): found})
+    assert [found[way].logs for way in WAYS] == [2, None, None]
+    assert f"| `a` | 0 | 2 (2) | more than {MOST} (-) | more than {MOST} (-) |" in table({("a", 0): found})

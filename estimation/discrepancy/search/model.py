@@ -40,7 +40,8 @@ TIMING_STD = 0.3
 others average."""
 ROUNDS = 3
 LONG_MEAN, FEWEST_MEANS = 2.0, 8
-"""Duration (s) of long means, as long as a push; and how many tell their usual size."""
+"""Duration (s) of long means, as long as a push; and how many tell their usual size: shorter ones where a log has no
+more."""
 
 
 def structure_prior(
@@ -247,10 +248,8 @@ class Model:
     def colour_beside(self, rows: Array, score: Score) -> float:
         """`colour` of rows (k, c, q + 1) with more columns, and their score."""
         standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
-        size = max(round(LONG_MEAN / self.logs[0].row_step), 2)
+        size = max(min(round(LONG_MEAN / self.logs[0].row_step), len(standard) // FEWEST_MEANS), 1)
         count = len(standard) // size
-        if count < FEWEST_MEANS:
-            return 1.0
         means = standard[: count * size].reshape(count, size, -1).mean(axis=1) * size**0.5
         typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
         return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))

@@ -51,8 +51,10 @@ def test_a_person_who_leans_is_no_load_that_swings():
 
 
 @pytest.mark.prove
-def test_a_car_in_coarse_steps_carries_no_other_load():
-    assert {effect.name for effect in told_of("car", 1.0, "x in 5 mm").effects} <= CAR.allowed
+@pytest.mark.parametrize("variant", ["x in 5 mm", "first 60 %"])
+def test_a_car_has_no_other_load_and_meets_no_push(variant):
+    """In coarse steps, and in seven seconds, in which what drifts is like a push."""
+    assert {effect.name for effect in told_of("car", 1.0, variant).effects} <= CAR.allowed
 
 
 @pytest.mark.long
