@@ -20,17 +20,17 @@ import numpy as np
 
 from cartgrasp.effects import ConstraintEffect, Effect, ForceScale, SensorEffect
 from cartgrasp.effects.effect import Gate, InertiaEffect
-from cartgrasp.frames import Array, rotation_planar
+from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from cartgrasp.wheels import WheelSet
 
 from ..noise import FilterNoise
 from ..standstill import LEVER, STILL_SPEED
 from .integrals import CHUNK, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
+from .wheel_tracks import touches
 from .wrenches import Densities, GridWrenches
 
 POSE_STEP = 1e-4
@@ -261,7 +261,7 @@ class Balances:
         state = own._state(cart if isinstance(effect, SensorEffect) else whole)
         on = np.ones(len(state), dtype=bool)
         if effect.gate is Gate.INSIDE:  # or so near that its soft edge is felt
-            on = own.touches(effect.values[:4], cart, RIM)
+            on = touches(own.motion.pose, effect.values[:4], cart.wheel_set, RIM)
 
         def felt(part: slice) -> Array:
             return -own.wrenches.slopes(whole, own._needed(cart, state, part)[0], self._densities, part)[..., first:]
@@ -300,26 +300,6 @@ class Balances:
         own = self.of_body(cart)
         state = own._state(cart)
         return np.concatenate([own._needed(cart, state, part)[0] for part in _chunks(len(state))])
-
-    def time_outside(self, region: Array, cart: CartModel) -> float:
-        """How long (s) the cart moved with a wheel outside of a region (x, x, y, y) of the floor."""
-        outside = ~self._inside(region, cart).all(axis=0)
-        return float((outside & (self.turning_speed > self.still_speed)).sum() * self.motion.step)
-
-    def touches(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
-        """Whether (n,) a wheel is inside of a region of the floor, or nearer to it than a rim (m)."""
-        return np.asarray(self._inside(region, cart, rim).any(axis=0))
-
-    def _inside(self, region: Array, cart: CartModel, rim: float = 0.0) -> np.ndarray:
-        """Whether wheels (w, n) are inside of a region of the floor, or nearer to it than a rim (m)."""
-        left, right, low, high = region + rim * np.array([-1.0, 1.0, -1.0, 1.0])
-        x, y = self._tracks(cart.wheel_set)
-        return np.asarray((x > left) & (x < right) & (y > low) & (y < high))
-
-    def _tracks(self, wheels: WheelSet) -> Array:
-        """Where (2, w, n) wheels are on the floor."""
-        turned = np.moveaxis(rotation_planar(self.motion.pose[:, 2]), 0, -1)
-        return np.asarray(self.motion.pose.T[:2, None] + np.einsum("ijn,wj->iwn", turned, wheels.positions))
 
     def _needed(self, cart: CartModel, state: Array, part: slice) -> tuple[Array, Array]:
         """The reduced wrench (points, f) and its slopes (points, f, p) by the parameters: along the smooth motion, and

@@ -21,6 +21,7 @@ from ...standstill import LEVER
 from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from ...weak_form.score import Score
+from ...weak_form.wheel_tracks import touches
 from .course import Course
 from .laws import Law, splines
 from .model import Model
@@ -132,7 +133,7 @@ def _acting(effect: Effect, balances: Balances, model: Model) -> Array:
     """Whether an effect's gate is open (n,)."""
     time = balances.motion.time
     if effect.gate is Gate.INSIDE:
-        return balances.touches(effect.values[:4], model.cart).astype(float)
+        return touches(balances.motion.pose, effect.values[:4], model.cart.wheel_set).astype(float)
     start = effect.values[0]
     end = np.inf if effect.gate is Gate.FROM else start + effect.values[1]
     return np.asarray((time > start) & (time < end), dtype=float)

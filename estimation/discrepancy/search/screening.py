@@ -13,10 +13,11 @@ from scipy.optimize import minimize_scalar
 from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
-from cartgrasp.frames import Array, rotation_planar
+from cartgrasp.frames import Array
 
 from ...weak_form.rows import wrench_covariance
 from ...weak_form.score import log_evidence
+from ...weak_form.wheel_tracks import wheel_tracks
 from .candidates import Family, amplitudes_of
 from .laws import Law, seen_values, smooth_laws
 from .model import Model
@@ -179,12 +180,9 @@ class Screen:
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
         """Edges of cells in x and y over all wheels' tracks."""
-        wheels, tracks = self.model.cart.wheel_set.wheels, []
-        for balances in self.model.logs:
-            pose = balances.motion.pose
-            tracks += [pose[:, :2] + rotation_planar(pose[:, 2]) @ [wheel.x, wheel.y] for wheel in wheels]
-        points = np.concatenate(tracks)
-        low, high = points.min(axis=0) - RIM, points.max(axis=0) + RIM
+        wheels = self.model.cart.wheel_set
+        tracks = np.concatenate([wheel_tracks(b.motion.pose, wheels).reshape(2, -1) for b in self.model.logs], axis=1)
+        low, high = tracks.min(axis=1) - RIM, tracks.max(axis=1) + RIM
         counts = np.clip(np.ceil((high - low) / CELL), 1, MOST_CELLS).astype(int)
         return np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1)
 

@@ -10,7 +10,11 @@ import numpy as np
 
 from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
+from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 
+from ...weak_form.balances import Balances
+from ...weak_form.wheel_tracks import leaves
 from .attempts import Attempt, Refit, Step
 from .form_error import FormError
 from .gains import (
@@ -241,7 +245,7 @@ def unseen(effect: Effect, model: Model) -> str:
     """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
     if (
         effect.gate is Gate.INSIDE
-        and sum(b.time_outside(effect.values[:4], model.cart) for b in model.logs) < LEAST_SIDE
+        and sum(_time_outside(effect.values[:4], model.cart, b) for b in model.logs) < LEAST_SIDE
     ):
         return f"no wheel was outside for {LEAST_SIDE:g} s"
     name = ESSENTIAL.get(effect.name, "")
@@ -253,6 +257,12 @@ def unseen(effect: Effect, model: Model) -> str:
     if abs(values[key]) <= TOLD * float(np.hypot(model.deviation(key), beside)):
         return f"its {name} is within {TOLD:g} standard deviations of nought"
     return ""
+
+
+def _time_outside(region: Array, cart: CartModel, balances: Balances) -> float:
+    """How long (s) a cart moved with a wheel outside of a region (x, x, y, y) of the floor."""
+    motion, moves = balances.motion, balances.turning_speed > balances.still_speed
+    return float((leaves(motion.pose, region, cart.wheel_set) & moves).sum() * motion.step)
 
 
 def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None = None) -> Attempt:

@@ -10,6 +10,7 @@ from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 
 from ...weak_form.balances import Balances
+from ...weak_form.wheel_tracks import touches
 from ..search.gains import added
 from ..search.model import Model
 from .residual import Residual
@@ -51,6 +52,6 @@ def _mask(effect: Effect, balances: Balances, model: Model) -> np.ndarray:
     """Whether (n,) an effect acts at each time of the motion."""
     time, values = balances.motion.time, effect.values
     if effect.gate is Gate.INSIDE:
-        return balances.touches(values[:4], model.cart)
+        return touches(balances.motion.pose, values[:4], model.cart.wheel_set)
     end = values[0] + values[1] if effect.gate is Gate.WHILE else np.inf
     return np.asarray((time >= values[0]) & (time <= end))
