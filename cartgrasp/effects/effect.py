@@ -95,11 +95,6 @@ class Gate(Enum):
         return self in (Gate.FROM, Gate.WHILE)
 
     @property
-    def is_bounded(self) -> bool:
-        """Whether it is one stretch of time or one part of the floor."""
-        return self in (Gate.WHILE, Gate.INSIDE)
-
-    @property
     def ends(self) -> bool:
         """Whether it is a time that is over: what happens once can't be learned from another part of a log."""
         return self is Gate.WHILE

@@ -15,6 +15,7 @@ from ..search.search import least_gain, may_be, unseen
 
 ADDED, OTHER_SIZE = "added", "given another size"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
+FORMS = "what the forms of others may leave"
 ROUGHLY = "not fitted with all else: too many others gain more at first sight"
 
 
@@ -29,7 +30,8 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     if one is step.added:
         return ADDED if final is None else _kept(one, final)
     if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
-        beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside what the forms of others may leave"
+        rest = "noise that drifts as what is left" if one.own_gain == one.beside_drift else FORMS
+        beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside {rest}"
         why = " beside what gained most" * (least > WORTH)
         return f"gains {round(one.gain, 1) + 0.0:.1f} nats{beside}, and {least:.1f} are needed{why}"
     if one.gain < SURE * one.error:

@@ -25,8 +25,9 @@ class Refit:
 
 @dataclass(frozen=True, eq=False)
 class Attempt:
-    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error, and the
-    gain beside what the forms of others may leave (None: there are no others)."""
+    """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error, the gain
+    beside what the forms of others may leave (None: there are no others), and, of what is met once, beside noise that
+    drifts as what is left does."""
 
     candidate: Effect | Law | Refit
     gain: float
@@ -34,11 +35,12 @@ class Attempt:
     model: Model | None = None
     error: float = 0.0
     beside_forms: float | None = None
+    beside_drift: float | None = None
 
     @property
     def own_gain(self) -> float:
-        """The part of the gain that no other effect's form makes."""
-        return self.gain if self.beside_forms is None else min(self.gain, self.beside_forms)
+        """The part of the gain that neither another effect's form makes, nor what drifts."""
+        return min(one for one in (self.gain, self.beside_forms, self.beside_drift) if one is not None)
 
     @property
     def key(self) -> str:

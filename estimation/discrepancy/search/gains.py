@@ -63,7 +63,7 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
             values[amplitudes_of(effect)] += own
             fitted = effect.with_values(values)
             if effect.gate is not Gate.ALWAYS:
-                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.is_bounded else 1.0
+                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
     gain = worth(model.score, score, colour) - float(np.log(tried))
     return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
 
@@ -74,11 +74,11 @@ def added_worth(less: Model, model: Model, effect: Effect) -> float:
 
 
 def colour_of(model: Model, candidate: Effect | Law) -> float | None:
-    """Colour of what is left with a candidate that does not act everywhere, else None: a push, or a patch of the floor,
-    is like anything that drifts. A load that changes is not: it stays, and every acceleration shows it."""
+    """Colour of what is left with a candidate that does not act everywhere, else None: a push is like anything that
+    drifts."""
     if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
         return None
-    return model.colour if candidate.gate.is_bounded else 1.0
+    return model.colour if candidate.gate.ends else 1.0
 
 
 def absent(effect: Effect) -> Effect:

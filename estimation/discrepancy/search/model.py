@@ -10,6 +10,7 @@ from itertools import accumulate, pairwise
 import numpy as np
 
 from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
+from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
@@ -22,6 +23,7 @@ from ...weak_form.fit import Nuisance, fit
 from ...weak_form.motion import Motion
 from ...weak_form.rows import Errors, excess_noise
 from ...weak_form.score import Folds, Score, scored
+from ...weak_form.wheel_tracks import touches
 from ...weak_form.whitening import Whitening
 from .candidates import amplitudes_of
 from .laws import Law, labelled
@@ -253,6 +255,15 @@ class Model:
         means = standard[: count * size].reshape(count, size, -1).mean(axis=1) * size**0.5
         typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
         return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))
+
+    def meets_once(self, effect: Effect) -> bool:
+        """Whether an effect acts for one stretch of time alone, as a push does, or a patch of the floor that is crossed
+        once. A load that changes stays, and every acceleration shows it."""
+        if effect.gate is not Gate.INSIDE:
+            return effect.gate is Gate.WHILE
+        wheels, region = self.cart.wheel_set, effect.values[:4]
+        inside = [np.diff(touches(b.motion.pose, region, wheels).astype(int), prepend=0) > 0 for b in self.logs]
+        return sum(int(begins.sum()) for begins in inside) < 2
 
     def deviation(self, key: str) -> float:
         """Standard deviation of a free parameter of an effect, by its full name."""

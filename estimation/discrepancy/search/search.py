@@ -286,4 +286,6 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
     gain = before + worth(model.score, new.score, colour)
     error = standard_error(model.score, new.score) if colour is None else 0.0
     beside = None if forms is None else before + worth(*forms.scores(new, found), colour)
-    return Attempt(found, gain, one.tried, new, error, beside)
+    is_once = isinstance(found, Effect) and new.meets_once(found)
+    drifting = before + worth(model.score, new.score, new.colour) if is_once else None
+    return Attempt(found, gain, one.tried, new, error, beside, drifting)
