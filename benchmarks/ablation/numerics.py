@@ -213,7 +213,7 @@ REASONS: dict[str, dict[str, str]] = {
     },
     "discrepancy.findings.rivals": {"LONGEST": "keeps finite"},
     "discrepancy.findings.soft_push": {"EARLIER": "geometry of half a sine"},
-    "discrepancy.findings.verdicts": dict.fromkeys(("ADDED", "OTHER_SIZE", "WITHDRAWN", "ROUGHLY"), "words"),
+    "discrepancy.findings.verdicts": dict.fromkeys(("ADDED", "OTHER_SIZE", "WITHDRAWN", "ROUGHLY", "FORMS"), "words"),
     "discrepancy.where.where": {
         "LEAST_SHARE": "which sentences are told",
         "LEAST_LIFT": "which sentences are told",

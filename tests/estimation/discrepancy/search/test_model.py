@@ -1,0 +1,51 @@
+"""What is met once, and what a motion meets again."""
+
+from types import SimpleNamespace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import ExternalPush, FloorPatch, ForceBias, PayloadChange
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from cartgrasp.wheels import Wheel
+from estimation.discrepancy.search.attempts import Attempt
+from estimation.discrepancy.search.model import Model
+
+PATCH = FloorPatch(x_min=1.0, x_max=1.5, y_min=-1.0, y_max=1.0, coefficient=0.1)
+ON = np.linspace(0.0, 3.0, 301)
+
+
+def met_once(effect, *ways):
+    """By a cart with one wheel at {b}'s origin, on logs that go along x so."""
+    cart = CartModel(Inertia(20.0, (0.0, 0.0), 2.0), wheels=(Wheel("fixed", 0.0, 0.0),))
+    logs = [SimpleNamespace(motion=SimpleNamespace(pose=np.pad(x[:, None], ((0, 0), (0, 2))))) for x in ways]
+    return Model.meets_once(SimpleNamespace(logs=logs, cart=cart), effect)
+
+
+@pytest.mark.parametrize(
+    ("ways", "is_once"),
+    [
+        ((ON,), True),
+        ((ON, ON[:50]), True),
+        ((ON[:50],), True),
+        ((ON, ON), False),
+        ((np.append(ON, ON[::-1]),), False),
+        ((np.append(ON[120:], ON[::-1]),), False),
+    ],
+)
+def test_a_patch_is_met_as_often_as_the_wheel_comes_onto_it(ways, is_once):
+    assert met_once(PATCH, *ways) == is_once
+
+
+def test_a_push_is_over_and_a_load_stays():
+    assert met_once(ExternalPush(1.0, 2.0, 10.0), ON, ON)
+    assert not met_once(PayloadChange(1.0, 5.0), ON)
+    assert not met_once(ForceBias(1.0), ON)
+
+
+@pytest.mark.parametrize(
+    ("forms", "drift", "own"), [(None, None, 30.0), (20.0, None, 20.0), (20.0, 5.0, 5.0), (None, 40.0, 30.0)]
+)
+def test_what_is_accepted_gains_enough_beside_forms_and_drift(forms, drift, own):
+    assert Attempt(PATCH, 30.0, 1, beside_forms=forms, beside_drift=drift).own_gain == own
