@@ -260,7 +260,7 @@ class Model:
         """Whether an effect acts for one stretch of time alone, as a push does, or a patch of the floor that is crossed
         once. A load that changes stays, and every acceleration shows it."""
         if effect.gate is not Gate.INSIDE:
-            return effect.gate is Gate.WHILE
+            return effect.gate.ends
         wheels, region = self.cart.wheel_set, effect.values[:4]
         inside = [np.diff(touches(b.motion.pose, region, wheels).astype(int), prepend=0) > 0 for b in self.logs]
         return sum(int(begins.sum()) for begins in inside) < 2
