@@ -77,6 +77,7 @@ class Arm:
     postures: PostureSource | None
     limits: tuple[OwnLimit, ...]
 
+    # Many parameters: the keys of an arm in the contract, all but the first two with defaults.
     def __init__(
         self,
         name: str,

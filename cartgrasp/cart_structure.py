@@ -29,6 +29,8 @@ from .wheels import Wheel, WheelSet
 N_POSE = 3
 
 
+# Many methods: each names, in three lines, one thing that follows from the cart's parts alone. Estimator,
+# tracker and planner ask for them by these names, and what needs no numbers is kept for all carts of one structure.
 @dataclass(frozen=True)
 class CartStructure(ABC):
     """The cart's parts: what is pushed, and what acts on it. Frozen; `with_...` returns another."""

@@ -23,6 +23,7 @@ STABLE = 1.5
 """Largest product of step time and stiffness at which `advanced` is run; in theory it is stable up to 2.78."""
 
 
+# Many methods: one for each compiled entry, which lays out its arguments as the kernel takes them.
 class CompiledDynamics:
     """Dynamics of one structure: effects, wheels, the basis of free velocities (3, f), `sizes` (how much memory, how
     many parameters). `floats` and `ints` are the workspace that kernels unpack; `n_sums` and `most_stictions` say how

@@ -59,6 +59,8 @@ class InverseDynamics:
     memory_rate_by_parameters: Array
 
 
+# Many methods: the questions of physics.md that a user asks of a cart, which the contract names; each hands on to one
+# file that answers it. What is structure stands in cart_structure.py.
 @final
 @dataclass(frozen=True)
 class CartModel(CartStructure):

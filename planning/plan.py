@@ -52,6 +52,7 @@ class Figures(NamedTuple):
     choice: ChoiceProof | None = None
 
 
+# Many methods: what users read of a plan, each worked out when it is asked for, since a tick asks for none of it.
 @dataclass(frozen=True, eq=False)
 class Plan:
     """A status, and when it is `optimal` or `relaxed` wrenches (6,) in {a} at contacts (3,) in {b}, by arm.

@@ -51,6 +51,7 @@ DEFAULT_SEARCH = SearchLimit()
 NOWHERE: Mapping[str, ArrayLike] = {}
 
 
+# Many methods: ten are the contract's; the rest are one call's branches, which share the tick's state.
 class WrenchPlanner:
     """Spreads a planar wrench over the arms of one cart, within every limit, with a proof.
 
@@ -87,6 +88,7 @@ class WrenchPlanner:
         ('optimal', [18.5, -1.9])
     """
 
+    # Many parameters: what a planner is told once, all but cart and arms with defaults.
     def __init__(
         self,
         cart: CartModel,

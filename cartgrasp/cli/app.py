@@ -42,6 +42,7 @@ def demo(
     raise typer.Exit(command.run(out, json, seed, quick))
 
 
+# Many parameters: options of one command, which the contract fixes.
 @app.command()
 def simulate(
     cart: Annotated[Path, typer.Option("--cart", help="The true cart, cart.yaml.")],
@@ -133,6 +134,7 @@ def check(
     raise typer.Exit(command.run(log, cart, accept or (), topics, json, out))
 
 
+# Many parameters: options of one command, which the contract fixes.
 @app.command()
 def view(
     log: Annotated[Path, typer.Argument(help="A run log: .csv, .parquet, a ROS bag, or .mat.", metavar="RUN")],
@@ -171,6 +173,7 @@ def identify(
     raise typer.Exit(command.run(logs, cart, out, topics, json, coasting, accept or ()))
 
 
+# Many parameters: options of one command, which the contract fixes.
 @app.command()
 def discrepancy(
     logs: Annotated[list[Path], typer.Argument(help="Run logs: .csv, .parquet, ROS bags, EMPS .mat.", metavar="LOG…")],

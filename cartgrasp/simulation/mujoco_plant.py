@@ -38,6 +38,8 @@ INSTANT = 1e-9
 SETTLE_TIME = 0.2
 
 
+# Many methods: half are the `Plant` role and what it may measure; the rest is one physics step in its parts, which
+# share MuJoCo's mutable data.
 class MujocoPlant:
     """The cart in MuJoCo, from a pose of {b} in {s} and free velocities nu; a `Plant`.
 

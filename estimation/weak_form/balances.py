@@ -41,6 +41,8 @@ RIM = 0.1
 """Rim (m) around a region of the floor: beyond, its soft edge is not felt."""
 
 
+# Many methods: a log's rows, what any cart takes of them, and their noise, which share integrals that are costly.
+# Half return the same rows with one thing changed.
 @dataclass(frozen=True, eq=False)
 class Balances:
     """Momentum balances of one log. Rows (k,) have one column per balance: the cart's free directions, then the speed

@@ -39,6 +39,8 @@ from ..quadratic_program import QuadraticProgram
 from .effective_rows import in_words
 
 
+# Many methods: the parts of one program (costs, rows, limits, slacks), each kept until what it depends on changes, and
+# the few ways to another template that keep the rest.
 @dataclass(frozen=True, eq=False)
 class AllocationTemplate:
     """n arms, their limits side by side over F (6n,), limits of the cart, and an objective; basis_b is S, (3, k)."""

@@ -92,6 +92,7 @@ class SearchLimit:
         return WIDENED_GAP if widened else GAP_TOLERANCE
 
 
+# Many methods: one branch and bound in its steps, which share a frontier, an incumbent and a budget.
 class ContactSearch:
     """One search over candidates; `run` once."""
 

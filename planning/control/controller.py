@@ -88,6 +88,7 @@ class Controller:
         ('optimal', 'holds left at (−0.25, 0.20): fixed')
     """
 
+    # Many parameters: the roles that a controller composes, each with a default.
     def __init__(
         self,
         cart: CartModel,

@@ -39,6 +39,7 @@ MOST_TURNS = 12
 """Most programs in which half-spaces are turned until the cones hold."""
 
 
+# Many methods: what compiled planning does at given and at chosen contacts, in one workspace that nobody else writes.
 class CompiledPlanning:
     """Plans for the candidates of `terms`; others need a new one. `last` are the wrenches (6n,) and contacts of the
     last plan."""

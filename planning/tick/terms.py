@@ -38,6 +38,7 @@ if TYPE_CHECKING:
 ROUNDING = 1e-9  # of the largest component, at least 1 N
 
 
+# Many methods: one for each kind of news between two ticks (estimate, arms, postures, last wrench, margins).
 class Terms:
     """`base` is the template but for the rate of change, `template` with it."""
 

@@ -56,6 +56,7 @@ class Settings:
         return Terms(self.cart, arms, self.objective, self.cart_limits, (self.min_hand_distance, self.period))
 
 
+# Many methods: one for each kind of news that a planner gets between two ticks; it alone is changed by them.
 class TickState:
     """What is kept for `arms`, or for those of them that hold now; `is_warm` says whether kernels may be used."""
 

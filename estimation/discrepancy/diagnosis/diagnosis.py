@@ -56,6 +56,7 @@ OTHER_CART = 3.0
 """Standard deviations between masses of logs: they are of different loads."""
 
 
+# Many methods: each is one entry of the contract's report, worked out when it is asked for and in three lines.
 @dataclass(frozen=True, eq=False)
 class Diagnosis:
     """What came out. `nominal` is the cart refitted, `final` extended; `is_refused` says that the refit foretold unseen

@@ -51,6 +51,7 @@ SIZE_SHARE = 0.02
 """Share of an effect's size that its form leaves open, which no length of a log makes less."""
 
 
+# Many methods: covariances of a model's numbers by steps that share one joint covariance, which is costly.
 @dataclass(frozen=True, eq=False)
 class Certainty:
     """How sure a model's numbers are. `bands` are those of logs that somebody pushed. `undecided` is a covariance of

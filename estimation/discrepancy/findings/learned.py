@@ -41,6 +41,7 @@ WALK = (0.4, 1.1)
 """Times (s) from step to step of a person who walks."""
 
 
+# Many methods: one for each thing that a report says of a law; what is computed is `curve`.
 @dataclass(frozen=True, eq=False)
 class LearnedLaw:
     """One force of a law: the effect with its amplitudes (a,), their covariance (a, a), how well a period is known (in

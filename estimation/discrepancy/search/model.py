@@ -118,6 +118,8 @@ class RowNoise:
         return errors.whitening(self.excess, self.form, self.friction, self.memory if compares else None)
 
 
+# Many methods: what is derived of one fit to logs (rows, sums, colour, score), each kept once it was asked for, since
+# hundreds of candidates ask for the same.
 @dataclass(frozen=True, eq=False)
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs

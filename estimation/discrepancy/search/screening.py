@@ -44,6 +44,7 @@ has."""
 Found = tuple[float, Effect]
 
 
+# Many methods: one for each kind of candidate (constant, timed, placed, late, laws); all ask the same products.
 class Screen:
     """Gains of candidates beside one model."""
 

@@ -30,6 +30,7 @@ POISED = 12.0
 unpack, note, said_of = compiled(parts), compiled(sensor_health.note), compiled(sensor_health.said_of)
 
 
+# Many parameters: arrays of a kernel, which takes no values with fields.
 @entry
 def drive(
     floats: Array,

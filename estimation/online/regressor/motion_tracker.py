@@ -63,6 +63,7 @@ class Smoothing:
         )
 
 
+# Many methods: the one owner of a ring of moments that kernels write; nobody else touches it.
 class MotionTracker:
     """Holds the last moments: `(pose, nu, nu')` as predicted from the moment before, and with what was measured; and
     the wrench of each."""

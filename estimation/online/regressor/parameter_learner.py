@@ -53,6 +53,8 @@ A_SLICE = 32
 """Moments that are smoothed in one."""
 
 
+# Many methods: one sample's way from block to row to belief in slices, so that no tick bears a whole row; each slice
+# is a method, and they change one state.
 class ParameterLearner:
     """Changes what it believes of the parameters with each row, of the motion with each measurement."""
 

@@ -85,6 +85,7 @@ class Changed(NamedTuple):
         return self._replace(belief=belief)
 
 
+# Many methods: questions to the same few probabilities, of three lines each, as its callers ask them.
 @dataclass(frozen=True)
 class Trial:
     """All beliefs, and the innovation of the last row under the likeliest; how many rows there were, blocks in which
