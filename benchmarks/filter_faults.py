@@ -1,4 +1,4 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|demo|reversals]`: what the online
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|demo|reversals]`: what the online
 filter says of sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
@@ -6,7 +6,8 @@ a third to three times the mass, driven along straight and curved paths from any
 filter as it is and with a fault in it. A fault is told where health is not `ok` and a suspicion of its kind and place
 stands beside it; on a sound log any suspicion is an alarm.
 
-`noise`: velocities 0.3 to 3 times as noisy as declared. `demo`: errors of the demo's runs over their deviations.
+`noise`: velocities 0.3 to 3 times as noisy as declared. `memory`: noise of wrenches that is as large as declared from
+sample to sample, and remembers for up to 0.06 s. `demo`: errors of the demo's runs over their deviations.
 `reversals`: the demo's cart straight forth and back, which leaves casters poised.
 """
 
@@ -19,6 +20,7 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
+from scipy.signal import lfilter
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
@@ -30,8 +32,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.studies import shopping_cart
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, PATHS, SENSORS, Job, drive_cart, filter_noise, guess
-from estimation import CartFilter
+from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, Drive, Job, drive_cart, filter_noise, guess
+from estimation import CartFilter, FilterNoise
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
 from planning.references import chain, straight
@@ -86,6 +88,8 @@ FAULTS = {
 QUIET = "quiet"
 """Sensors of forces with which a run tells the mass to much less than 3 %."""
 LEAST_NOISE, MOST_NOISE = 0.3, 3.0
+LONGEST_MEMORY, FORCE, MOMENT = 0.06, 3.0, 0.2
+"""s; N and N·m of noise that remembers."""
 NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
 SURE = 0.05
 """Standard deviation of a mass that is sure, as a share of it."""
@@ -219,18 +223,36 @@ def faults(seeds: Sequence[int]) -> list[str]:
 
 def noise(seeds: Sequence[int]) -> list[str]:
     """By the size of the noise: how many runs are consistent or say that they are not."""
+    factors = [between(np.random.default_rng([seed, 8]), LEAST_NOISE, MOST_NOISE) for seed in seeds]
     edges = (LEAST_NOISE, 0.6, 1.0, 1.5, 2.0, MOST_NOISE)
-    rows: list[tuple[float, float, float, float, float]] = []
-    for seed in seeds:
-        factor = between(np.random.default_rng([seed, 8]), LEAST_NOISE, MOST_NOISE)
-        rows.append((factor, *_noisy(seed, factor)))
+    return _consistent("noise over declared", edges, seeds, factors, _louder)
+
+
+def memory(seeds: Sequence[int]) -> list[str]:
+    """By how long noise of wrenches remembers (s): how many runs are consistent or say that they are not."""
+    times = [float(np.random.default_rng([seed, 9]).uniform(0.0, LONGEST_MEMORY)) for seed in seeds]
+    return _consistent("memory, s", (0.0, 0.01, 0.02, 0.04, LONGEST_MEMORY), seeds, times, _remembering)
+
+
+def _consistent(
+    head: str,
+    edges: Sequence[float],
+    seeds: Sequence[int],
+    sizes: Sequence[float],
+    of: Callable[[Drive, float, int], tuple[RunLog, FilterNoise]],
+) -> list[str]:
+    """A table by a size in bins: `of` a drive is the log with noise of that size, and what is declared."""
+    rows: list[tuple[float, float, float, float]] = []
+    for seed, size in zip(seeds, sizes, strict=True):
+        driven = drive_cart(drawn_cart(seed), Job("curves", QUIET, seed))
+        rows.append((size, *_noisy(seed, driven, *of(driven, size, seed))))
         print(seed, *(f"{value:.3f}" for value in rows[-1]), flush=True)
     lines = [
-        "| noise over declared | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
+        f"| {head} | runs | NEES a degree of freedom | mass off, rms | within both | not `ok` | met |",
         "| --- " * 7 + "|",
     ]
     found = np.array(rows)
-    for low, high in [*pairwise(edges), (LEAST_NOISE, MOST_NOISE)]:
+    for low, high in [*pairwise(edges), (edges[0], edges[-1])]:
         part = found[(found[:, 0] >= low) & (found[:, 0] <= high)]
         if not len(part):
             continue
@@ -242,16 +264,34 @@ def noise(seeds: Sequence[int]) -> list[str]:
     return lines
 
 
-def _noisy(seed: int, factor: float) -> tuple[float, float, float]:
-    """NEES a degree of freedom of motion and parameters, mean after IN_TIME; the last mass's error by its value; and
-    the share of ticks after IN_TIME at which health is not `ok`."""
-    cart, declared = drawn_cart(seed), exact_noise(QUIET)
-    driven = drive_cart(cart, Job("curves", QUIET, seed))
+def _louder(driven: Drive, factor: float, seed: int) -> tuple[RunLog, FilterNoise]:
+    """Velocities are so many times as noisy as declared."""
     log = driven.log
     clean = np.column_stack([np.zeros((len(log), 2)), driven.motion[:, 4]])
     clean[:, 0], clean[:, 1] = np.cos(driven.motion[:, 2]), np.sin(driven.motion[:, 2])
     clean[:, :2] *= driven.motion[:, 3:4]
-    log = replace(log, velocity=clean + factor * (log.velocity - clean))
+    return replace(log, velocity=clean + factor * (log.velocity - clean)), exact_noise(QUIET)
+
+
+def _remembering(driven: Drive, memory: float, seed: int) -> tuple[RunLog, FilterNoise]:
+    """First-order autoregressive noise beside what wrenches have."""
+    log, random, size = driven.log, np.random.default_rng([seed, 10]), np.repeat([FORCE, MOMENT], 3)
+    keep = np.exp(-PERIOD / memory) if memory > 0.0 else 0.0
+    arms = {}
+    for name, arm in log.arms.items():
+        fresh = random.standard_normal(arm.wrench.shape)
+        fresh[1:] *= np.sqrt(1.0 - keep**2)
+        arms[name] = ArmLog(arm.contact, arm.wrench + size * lfilter([1.0], [1.0, -keep], fresh, axis=0))
+    declared = exact_noise(QUIET)
+    return replace(log, arms=arms), replace(
+        declared, force=float(np.hypot(declared.force, FORCE)), moment=float(np.hypot(declared.moment, MOMENT))
+    )
+
+
+def _noisy(seed: int, driven: Drive, log: RunLog, declared: FilterNoise) -> tuple[float, float, float]:
+    """NEES a degree of freedom of motion and parameters, mean after IN_TIME; the last mass's error by its value; and
+    the share of ticks after IN_TIME at which health is not `ok`."""
+    cart = drawn_cart(seed)
     filtered = CartFilter(guess(), list(HANDS), noise=declared, prior=PRIOR)
     squares, unsound, dof = [], [], 0
     for i, measurement in enumerate(log.measurements()):
@@ -317,7 +357,13 @@ def reversals(seeds: Sequence[int]) -> list[str]:
     return lines
 
 
-PARTS = {"faults": (faults, 100), "noise": (noise, 100), "demo": (demo, 30), "reversals": (reversals, 10)}
+PARTS = {
+    "faults": (faults, 100),
+    "noise": (noise, 100),
+    "memory": (memory, 100),
+    "demo": (demo, 30),
+    "reversals": (reversals, 10),
+}
 
 
 def main() -> None:

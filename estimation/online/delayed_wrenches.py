@@ -20,6 +20,7 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth
 from .learning_filter import LearningFilter
 from .regressor.parameter_learner import ParameterLearner
+from .regressor.wrench_loudness import WrenchLoudness
 
 SAME = 1e-9
 """s."""
@@ -52,6 +53,10 @@ class DelayedWrenches:
     @property
     def worked(self) -> bool:
         return self.core.worked
+
+    @property
+    def loudness(self) -> WrenchLoudness:
+        return self.core.loudness
 
     def take(self, measurement: Measurement) -> None:
         core, self._now, self.time = self.core, None, measurement.time

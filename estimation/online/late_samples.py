@@ -14,6 +14,8 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
+from .regressor.wrench_loudness import WrenchLoudness
+
 REACH = 0.3
 """s: how late a sample may be."""
 EVERY = 0.1
@@ -35,6 +37,11 @@ class SampleFilter(Protocol):
     @property
     def worked(self) -> bool:
         """Whether the last sample took longer than most."""
+        ...
+
+    @property
+    def loudness(self) -> WrenchLoudness:
+        """How loud wrenches are."""
         ...
 
     def scale_noise(self, noise_factors: Array) -> None:

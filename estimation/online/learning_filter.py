@@ -25,6 +25,7 @@ from ..health import SensorHealth, by_sensor, said
 from .first_motion import LOST_AFTER
 from .measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from .regressor.parameter_learner import ParameterLearner
+from .regressor.wrench_loudness import WrenchLoudness
 from .schmidt_filter import SchmidtFilter
 
 
@@ -44,6 +45,10 @@ class LearningFilter:
     def worked(self) -> bool:
         """Whether the last sample took longer than most."""
         return self.learner.worked
+
+    @property
+    def loudness(self) -> WrenchLoudness:
+        return self.learner.loudness
 
     def take(self, measurement: Measurement) -> None:
         """Predicts to the measurement's time, and takes in what it holds."""

@@ -36,6 +36,7 @@ from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
 from ..given import Given
 from ..measured_motion import usable
+from ..regressor.wrench_loudness import WrenchLoudness
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
@@ -77,6 +78,10 @@ class DisturbedLearning:
     @property
     def worked(self) -> bool:
         return self._careful.worked or self._quick.worked
+
+    @property
+    def loudness(self) -> WrenchLoudness:
+        return self._quick.loudness
 
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""

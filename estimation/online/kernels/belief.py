@@ -17,9 +17,9 @@ from .slope_noise import SlopeNoise, after_row, rid, told_by
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
-Surprised = tuple[float, Array, Array, Array, Array]
+Surprised = tuple[float, Array, Array, Array, Array, Array]
 """A row's normalised square, and what it says of a change: information's product (k - 1,) and information; what was not
-foretold, and its covariance."""
+foretold, its covariance, and that if parameters were known."""
 Limits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
 LEAST_SHARE = 1e-9
@@ -88,12 +88,12 @@ def absorbed(
     innovation, spread = value - times(before, mean), congruence(before, covariance) + own
     square = _square(innovation, spread)
     if not square < absurd * n:
-        nothing = square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread
+        nothing = square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread, spreads[0]
         return ((information, pull), in_slopes), nothing
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
     asked = turned(solved(scale * spread, taught))
-    said = square, times(asked, innovation), product(asked, taught), innovation, spread
+    said = square, times(asked, innovation), product(asked, taught), innovation, spread, spreads[0]
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))

@@ -89,11 +89,13 @@ class Found(NamedTuple):
 
 
 class LeftOut(NamedTuple):
-    """The density (f, f) of disturbances that a row has to bear with, and of those that there are as a rule; and the
-    parameters in whose products with the mass, the first one, a row is linear."""
+    """The density (f, f) of disturbances that a row has to bear with, and of those that there are as a rule; how many
+    times the wrenches' variance is that of white samples; and the parameters in whose products with the mass, the first
+    one, a row is linear."""
 
     disturbance: Array
     usual: Array
+    loudness: float
     scaled: Indices
 
 
@@ -112,7 +114,7 @@ class FilteredRow(NamedTuple):
     times friction is not linear.
 
     `by_rise` (f, f, p) are the partials of the slopes by B[nu'], and `quieter` (f, f) is how much the noise is less as
-    a rule (`slope_noise.py`)."""
+    a rule (`slope_noise.py`). `of_wrenches` (f, f) is what the noise of wrenches would be of white samples."""
 
     residual: Array
     slopes: Array
@@ -125,6 +127,7 @@ class FilteredRow(NamedTuple):
     curvature: Array
     by_rise: Array
     quieter: Array
+    of_wrenches: Array
 
 
 def over(rows: Array) -> tuple[int, int]:
@@ -252,7 +255,8 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
         for q in range(p):
             for i in range(n):
                 slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
-    white = noise_of_wrenches(weighing.held, wrenches, f) + weighing.of_white * left_out.disturbance
+    of_wrenches = noise_of_wrenches(weighing.held, wrenches, f)
+    white = left_out.loudness * of_wrenches + weighing.of_white * left_out.disturbance
     noise = white.copy()
     add_stuck(weighing.linear, found.stuck, noise)
     for j in range(2 * k):
@@ -266,7 +270,7 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
     quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     link = -RATE * mass, weighing.fade, noise, before, after, shared
-    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter)
+    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches)
 
 
 @row_entry

@@ -41,9 +41,10 @@ from .load_watch import ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
-from .row_stages import Begun, Decided, RowOf, TakenIn, Tried, Unfinished
+from .row_stages import Begun, Decided, Heard, RowOf, TakenIn, Tried, Unfinished
 from .scale import ScaleInformation
 from .trial import Beginning, Taken, Trial
+from .wrench_loudness import WrenchLoudness
 
 LONG_GAP = 0.3
 """s: across a longer one nothing is carried."""
@@ -80,6 +81,7 @@ class ParameterLearner:
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._one_disturbance = one_disturbance(cart, noise)
         self._level, self._is_disturbed = DisturbanceLevel.between(noise.disturbance, unseen), False
+        self.loudness = WrenchLoudness()
         self._pending: tuple[RowOf, ...] = ()  # rows that wait until the scale is known
         self._scale = ScaleInformation.of(cart, prior, self._free)
         self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
@@ -224,6 +226,8 @@ class ParameterLearner:
             case Tried():
                 self._unfinished = part.go_on()
             case TakenIn():
+                self.loudness, self._unfinished = part.heard(self.loudness)
+            case Heard():
                 self._unfinished = self._decide(*part)
             case Beginning():
                 self._unfinished = self._begin(part.go_on())
@@ -305,18 +309,18 @@ class ParameterLearner:
         """A trial, or what is known to push, leaves no row quiet: it may bear as much as any."""
         level, one = self._level, self._one_disturbance
         usual = level.highest if self._trial is not None or self._is_disturbed else level.usual
-        return LeftOut(level.highest * one, usual * one, self._products.scaled)
+        return LeftOut(level.highest * one, usual * one, self.loudness.usual, self._products.scaled)
 
     def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> TakenIn | Tried:
         """What the belief, or a trial, makes of a row."""
         if self._trial is not None:
-            return Tried(time, self._trial.with_row(row, self.theta)).go_on()
+            return Tried(time, row.of_wrenches, self._trial.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         if not self._is_disturbed:
             self._level = self._level.after(innovation, of_white * self._one_disturbance)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
-        return TakenIn(time, innovation)
+        return TakenIn(time, row.of_wrenches, innovation)
 
     def _decide(self, time: float, told: Innovation | Trial) -> Decided | Beginning:
         """What a row says of loads and pushes."""

@@ -36,30 +36,32 @@ ABSURD = 1e6
 
 
 class Innovation(NamedTuple):
-    """The innovation of a row, of a `value` (n,) with its covariance, and its normalised square. What
-    it says of a change of the free parameters (f,) since before it is information (f, f) and its product with the
-    change."""
+    """The innovation of a row, of a `value` (n,) with its covariance, and its normalised square; `of_known` (n, n) is
+    the covariance if parameters were known. What it says of a change of the free parameters (f,) since before it is
+    information (f, f) and its product with the change."""
 
     square: float
     pull: Array
     information: Array
     value: Array
     covariance: Array
+    of_known: Array
 
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
         """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
         the gate, the noise is widened to it."""
-        return float(_gated(self.value - mean, self.covariance + more))
+        return float(log_likelihood(self.value - mean, self.covariance + more))
 
     def log_likelihoods(self, more: Array) -> Array:
         """The same with something of each covariance (g, n, n) beside."""
-        return _gated(self.value, self.covariance + more)
+        return log_likelihood(self.value, self.covariance + more)
 
 
-def _gated(value: Array, spread: Array) -> Array:
+def log_likelihood(value: Array, spread: Array, gate: float = GATE) -> Array:
+    """The log-likelihood of a value (n,), but for a constant, with each covariance (..., n, n), widened to the gate."""
     n = len(value)
     square = np.linalg.solve(spread, value[:, None])[..., 0] @ value
-    scale = np.maximum(1.0, square / (GATE * n))
+    scale = np.maximum(1.0, square / (gate * n))
     return np.asarray(-0.5 * (square / scale + n * np.log(scale) + np.linalg.slogdet(spread)[1]))
 
 

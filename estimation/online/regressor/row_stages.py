@@ -1,18 +1,21 @@
 """How far a row of the regression is worked out: fast loops go on by one stage, or a part of it, with each sample.
 
-Begun (moments are smoothed) -> Block -> RowOf -> TakenIn -> Decided; in a trial RowOf -> Tried -> TakenIn,
-and where a row has one begin TakenIn -> Beginning -> Decided.
+Begun (moments are smoothed) -> Block -> RowOf -> TakenIn -> Heard -> Decided; in a trial RowOf -> Tried -> TakenIn,
+and where a row has one begin Heard -> Beginning -> Decided.
 """
 
 from __future__ import annotations
 
 from typing import NamedTuple
 
+from cartgrasp.frames import Array
+
 from ..kernels.row_algebra import FilteredRow, Weights
 from .filtered_row import Block
 from .motion_tracker import Smoothing
 from .regression_belief import Innovation
 from .trial import Beginning, Trial, TrialRow
+from .wrench_loudness import WrenchLoudness
 
 
 class Begun(NamedTuple):
@@ -33,18 +36,33 @@ class RowOf(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """A row of a time (s) on its way through a trial."""
+    """A row of a time (s), and with noise of white wrenches (n, n), on its way through a trial."""
 
     time: float
+    of_wrenches: Array
     row: TrialRow
 
     def go_on(self) -> Tried | TakenIn:
         row = self.row.go_on()
-        return self._replace(row=row) if row.trial is None else TakenIn(self.time, row.trial)
+        return self._replace(row=row) if row.trial is None else TakenIn(self.time, self.of_wrenches, row.trial)
 
 
 class TakenIn(NamedTuple):
-    """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
+    """A row of a time (s), with noise of white wrenches (n, n), that the belief has taken in: its innovation, or the
+    trial that went on with it."""
+
+    time: float
+    of_wrenches: Array
+    told: Innovation | Trial
+
+    def heard(self, before: WrenchLoudness) -> tuple[WrenchLoudness, Heard]:
+        """How loud wrenches are after the row."""
+        innovation = self.told.innovation if isinstance(self.told, Trial) else self.told
+        return before.after(innovation, self.of_wrenches), Heard(self.time, self.told)
+
+
+class Heard(NamedTuple):
+    """What a row of a time (s) told, after which it is known how loud wrenches are."""
 
     time: float
     told: Innovation | Trial
@@ -54,4 +72,4 @@ class Decided(NamedTuple):
     """A row after which it is known what to believe."""
 
 
-Unfinished = Begun | Block | RowOf | Tried | TakenIn | Beginning | Decided
+Unfinished = Begun | Block | RowOf | Tried | TakenIn | Heard | Beginning | Decided

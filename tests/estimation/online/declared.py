@@ -9,4 +9,4 @@ from estimation.online.regressor.filtered_row import one_disturbance
 def left_out(cart, noise, scaled):
     """Disturbances are as loud as ever; a row is linear in the products of the `scaled` parameters with the mass."""
     density = noise.disturbance**2 * one_disturbance(cart, noise)
-    return LeftOut(density, density, scaled)
+    return LeftOut(density, density, 1.0, scaled)

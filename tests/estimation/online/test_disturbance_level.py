@@ -17,7 +17,8 @@ ELSE = np.array([[0.02, 0.001], [0.001, 0.004]])
 
 
 def innovation(value, density=HIGH**2):
-    return Innovation(0.0, np.zeros(0), np.zeros((0, 0)), value, ELSE + density * ONE)
+    spread = ELSE + density * ONE
+    return Innovation(0.0, np.zeros(0), np.zeros((0, 0)), value, spread, spread)
 
 
 @settings(max_examples=30, deadline=None)

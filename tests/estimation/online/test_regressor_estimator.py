@@ -165,6 +165,7 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, around=lambda: 4.0, 
             curvature=np.zeros((1, 1)),
             by_rise=np.full((1, 1, 1), 0.0 if is_naive else 1.0),
             quieter=np.zeros((1, 1)),
+            of_wrenches=noise,
         )
 
 
@@ -363,7 +364,7 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
         slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
         rows.append((slopes, news, spread))
         asked = np.linalg.solve(spread, slopes).T
-        watch.note(0.0, Innovation(1.0, asked @ news, asked @ slopes, news, spread), root_of(load))
+        watch.note(0.0, Innovation(1.0, asked @ news, asked @ slopes, news, spread, spread), root_of(load))
     ratios = []
     for first in range(5):
         slopes, news, spreads = (list(part) for part in zip(*rows[first:], strict=True))

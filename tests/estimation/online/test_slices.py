@@ -14,8 +14,8 @@ from .test_cart_filter import KNOWN, guess
 
 TRUTH, LOADED = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0), (36.0, 0.28, 0.06, 3.0, 3.0, 1.2, 0.0)
 NOISE = FilterNoise(0.0005, 0.0005, 0.005, 0.005, 3.0, 0.15, disturbance=0.02)
-LATER = 5
-"""Samples from the first slice to the last: smoothed, a block, its row, taken in, decided, concluded."""
+LATER = 6
+"""Samples from the first slice to the last: smoothed, a block, its row, taken in, heard, decided, concluded."""
 MOST = LATER + 4 * 11
 """With a trial, which begins over so many rows, each of which up to four beliefs may look at."""
 

@@ -55,6 +55,7 @@ def row(rise, force):
         curvature=np.zeros((1, 1)),
         by_rise=np.zeros((1, 1, 1)),
         quieter=np.zeros((1, 1)),
+        of_wrenches=np.array([[NOISE]]),
     )
 
 

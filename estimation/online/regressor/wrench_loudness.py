@@ -1,0 +1,72 @@
+"""How many times louder wrenches are, over a row, than white samples of the declared deviation.
+
+Noise that remembers adds up: of samples `dt` apart, with a correlation time t, means over a row have `coth(dt / 2 t)`
+times the variance of means of white ones, and next to nothing of it shows from sample to sample. So the innovations of
+rows tell it: `log p(rows | loudness)`, in which older ones fade. What a model lacks goes on pulling the same way, and
+noise of sensors does not for long; so it is told by differences of innovations that are some rows apart, in which the
+former is gone (von Neumann 1941).
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import dataclass, field
+from typing import NamedTuple, Self
+
+import numpy as np
+
+from cartgrasp.frames import Array
+
+from ...sensor_check.suspicion import Suspicion
+from .regression_belief import Innovation, log_likelihood
+
+LEVELS = 2.0 ** np.arange(7)
+"""Times the declared variance: white noise, to a correlation time of 32 samples."""
+RARE = 10.0
+"""Nats for each doubling, beforehand."""
+KEPT = 0.998
+"""Share that is kept with each row of what older ones told; ten come a second."""
+APART = 3
+"""Rows from one innovation to that from which it differs: 0.3 s."""
+
+LOUD = 6.0
+"""Normalised squares, by component, beyond which a difference is no louder: what jumps is no noise."""
+TOLD_FROM = 1.5
+"""Times the declared deviation."""
+
+
+class Row(NamedTuple):
+    """A row's innovation (n,), its covariance (n, n) if parameters were known and wrenches exact, and that of white
+    samples."""
+
+    value: Array
+    other: Array
+    of_wrenches: Array
+
+
+@dataclass(frozen=True, eq=False)
+class WrenchLoudness:
+    """The log-likelihood of each level; the likeliest, on which the next row counts; and the last rows."""
+
+    told: Array = field(default_factory=lambda: np.zeros(len(LEVELS)))
+    usual: float = 1.0
+    last: tuple[Row, ...] = ()
+
+    def after(self, innovation: Innovation, of_wrenches: Array) -> Self:
+        """After a row that counted on `usual`, to which white samples would give the covariance (n, n)."""
+        row = Row(innovation.value, innovation.of_known - self.usual * of_wrenches, of_wrenches)
+        last, told, usual = (*self.last, row)[-APART:], self.told, self.usual
+        if len(self.last) == APART:
+            before = self.last[0]
+            spread = row.other + before.other + LEVELS[:, None, None] * (row.of_wrenches + before.of_wrenches)
+            told = KEPT * told + log_likelihood(row.value - before.value, spread, LOUD)
+            usual = float(LEVELS[np.argmax(told - RARE * np.arange(len(LEVELS)))])
+        return type(self)(told, usual, last)
+
+    @property
+    def suspicions(self) -> tuple[Suspicion, ...]:
+        times = math.sqrt(self.usual)
+        if times < TOLD_FROM:
+            return ()
+        words = f"over 0.1 s wrenches are {times:.1f} times as noisy as declared white samples, and taken as such"
+        return (Suspicion("noise", "wrench", 1.0, times, words),)
