@@ -20,7 +20,8 @@ SURELY = 10.0
 @dataclass(frozen=True)
 class Question:
     """Whether a cart is as `truth` says, called `name`, and not as `rival` does (places in a list of beliefs); an empty
-    `other` stands for a cart without it. So many deviations tell it `before` another motion."""
+    `other` stands for a cart without it, which then is of so large a share of its usual `size`. So many deviations tell
+    it `before` another motion."""
 
     name: str
     other: str
@@ -28,6 +29,7 @@ class Question:
     rival: int
     weight: float = 1.0
     before: float = 0.0
+    size: float = 1.0
 
 
 @dataclass(frozen=True, eq=False)

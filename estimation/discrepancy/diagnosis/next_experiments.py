@@ -3,6 +3,7 @@ else would help, in words."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator
 from dataclasses import dataclass
 from typing import TYPE_CHECKING
@@ -21,7 +22,7 @@ from ..findings.rivals import rivals
 from ..search.candidates import amplitudes_of
 from ..search.gains import CONFUSABLE, WORTH, added, every_family
 from ..search.model import Model
-from ..search.plausible import is_plausible
+from ..search.plausible import LEAST_SIZE, is_plausible
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -60,7 +61,7 @@ def next_experiment(found: Diagnosis) -> Next:
         start = np.round(log.pose[np.isfinite(log.pose).all(axis=1)][0], 3)
         whole = experiment.proposed(found.limits, start, max(float(b.log.time[-1]) for b in found.final.logs))
         apart, alone = _judged(whole)
-        told = _told(whole, apart, alone)
+        told = _told(whole, apart, alone) or _told_of_little(whole)
         proposal = whole if told else None
         words += [*told, *_untold(apart, alone)]
     return Next(proposal, tuple(dict.fromkeys([*words, *_beside(found)])))
@@ -87,11 +88,12 @@ def undecided(found: Diagnosis) -> Experiment | None:
     for effect in _nearly(found):
         questions.append(Question(effect.key, "", add(final.refitted(final.cart.with_effect(effect))), own))
     usual = _usual_effects(found, {one.name.partition(".")[0] for one in questions})
-    for effect, before in usual:
+    for effect, size, before in usual:
         cart = final.cart.with_effect(effect)
         beliefs.append(Belief(cart, np.zeros((len(cart.parameters), 0))))  # by nobody's fit
-        questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(usual), before))
-    return Experiment(tuple(beliefs), tuple(questions), hands) if any(map(_is_open, questions)) else None
+        questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(usual), before, size))
+    is_open = any(_is_open(one) and one.size == 1.0 for one in questions)
+    return Experiment(tuple(beliefs), tuple(questions), hands) if is_open else None
 
 
 def _is_open(question: Question) -> bool:
@@ -131,23 +133,34 @@ def _nearly(found: Diagnosis) -> list[Effect]:
     return [e for key, e in effects.items() if key not in has and _is_seen(e) and is_plausible(e, wheels)]
 
 
-def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, float]]:
-    """Effects of usual size, but for some names, each with the deviations by which the logs' motion shows it. Of
-    variants, it is the middle one."""
+def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, float, float]]:
+    """Effects but for some names, each with its size and the deviations by which the logs' motion shows it: of usual
+    size (1), or, where the logs would show that, of the size that may be there unseen. Of variants, it is the middle
+    one."""
     shown = {key: one.z for key, one in found.isolability.items()}
     late = [check.clock_offset.std for check in found.checks if check.clock_offset]
     shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
     known = [family for family in every_family(found.final) if family.key in shown]
-    middle = [(_usual(family.variants[len(family.variants) // 2]), shown[family.key]) for family in known]
-    return [(e, z) for e, z in middle if e.name not in names and e.gate is Gate.ALWAYS and _is_seen(e)]
+    middle = [(family.variants[len(family.variants) // 2], shown[family.key]) for family in known]
+    asked = [(e, _unseen_size(e, z), z) for e, z in middle]
+    fit = [one for one in asked if one[0].name not in names and one[0].gate is Gate.ALWAYS and _is_seen(one[0])]
+    return [(_of_size(effect, size), size, size * z) for effect, size, z in fit]
 
 
-def _usual(effect: Effect) -> Effect:
+def _unseen_size(effect: Effect, z: float) -> float:
+    """Which size of an effect, whose usual one shows by z deviations, may be there unseen."""
+    if isinstance(effect, ConstraintEffect) or _nats(z) < WORTH:
+        return 1.0
+    return max(math.sqrt(2.0 * CONFUSABLE) / z, LEAST_SIZE)
+
+
+def _of_size(effect: Effect, size: float) -> Effect:
+    """The effect of a share of its usual size."""
     if isinstance(effect, ConstraintEffect):
         return effect
     values = effect.values.copy()
     for i in amplitudes_of(effect):
-        values[i] = effect.parameters[i].absent + effect.parameters[i].typical
+        values[i] = effect.parameters[i].absent + size * effect.parameters[i].typical
     return effect.with_values(values)
 
 
@@ -189,6 +202,13 @@ def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str
     return [f"{', and '.join(goals)}: {proposal.says} (at least {least:.0f} standard deviations apart)"]
 
 
+def _told_of_little(proposal: Proposal) -> list[str]:
+    """What the motion is for where all that it shows is less than usual, and what to do."""
+    asked = zip(proposal.questions, proposal.deviations, strict=True)
+    little = [one.name for one, z in asked if one.size < 1.0 and _nats(z) >= CONFUSABLE]
+    return [f"to see whether there is less than usual of {_listed(little, 'or')}: {proposal.says}"] if little else []
+
+
 def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
     """What it leaves open."""
     for (one, other), z in pairs.items():
@@ -207,7 +227,7 @@ def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
         if one.other:
             pair = (one.name, one.other) if (one.other, one.name) not in pairs else (one.other, one.name)
             pairs[pair] = min(z, pairs.get(pair, z))
-        elif _is_open(one):
+        elif _is_open(one) and one.size == 1.0:
             alone[one.name] = z
     return pairs, alone
 
