@@ -29,6 +29,7 @@ DECIDING = (
     Constant(
         "discrepancy.search.model", "LONG_MEAN", A, NEVER, "means whose size divides the gain of what lasts for a while"
     ),
+    Constant("discrepancy.search.model", "FEWEST_MEANS", A, 1, "means, of which shorter ones are where a log is short"),
     # what may be called so
     Constant("discrepancy.search.plausible", "LEAST_SIZE", A, 0.0, "least size of a named effect"),
     Constant(

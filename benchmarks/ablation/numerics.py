@@ -138,7 +138,7 @@ REASONS: dict[str, dict[str, str]] = {
         "ROLLING": "words on the motion",
         "STILL_TURNING": "words on the motion",
     },
-    "discrepancy.search.model": {"ROUNDS": "effort", "FEWEST_MEANS": "means, to be solvable"},
+    "discrepancy.search.model": {"ROUNDS": "effort"},
     "discrepancy.findings.named": {"SURE": "which of an effect's numbers are told"},
     "discrepancy.diagnosis.next_experiments": {
         "ALIKE": "words",
