@@ -84,7 +84,9 @@ class OnlineEstimator(ABC, Generic[C]):
         found, ahead = self._told(), self._samples.ahead
         if self._clock.is_lost:
             found = found._replace(health=Health.STALE)
-        told = (*self._clock.suspicions, *self._watch.suspicions, *self._samples.state.loudness.suspicions)
+        told = (*self._clock.suspicions, *self._watch.suspicions)
+        if found.health != Health.INCONSISTENT:  # under a model that does not fit, nobody knows what is noise
+            told = (*told, *self._samples.state.loudness.suspicions)
         if told:
             found = qualified(found, told)
         return found._replace(time=found.time - ahead) if ahead else found

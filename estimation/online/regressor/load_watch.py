@@ -104,6 +104,12 @@ class LoadWatch:
         self._say()
 
     @property
+    def excess(self) -> float:
+        """How many times as large as told the variance of sums of innovations over seconds is, of which estimates are
+        made; 1 at least."""
+        return max(self._white.level, 1.0)
+
+    @property
     def _fits(self) -> bool:
         return self._unfit is None and self._odd < ODD_SHARE
 

@@ -383,9 +383,9 @@ class ParameterLearner:
         self._believe()
 
     def _what_is_told(self) -> Array:
-        """The covariance (p, p) that people are told: of all that is not excluded."""
+        """The covariance (p, p) that people are told: of all that is not excluded, and as innovations vary."""
         wide = None if self._trial is None else self._trial.not_excluded
-        return self.covariance if wide is None else wide.concluded().covariance
+        return self._watch.excess * (self.covariance if wide is None else wide.concluded().covariance)
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
