@@ -60,5 +60,10 @@ class Whiteness:
         return replace(self, begun=-math.inf, pull=0.0, variance=0.0)
 
     @property
+    def chance(self) -> float:
+        """Standard deviation of the mean square of white innovations."""
+        return math.sqrt(2.0 / (self.dimension * self.spans))
+
+    @property
     def is_coloured(self) -> bool:
-        return self.level > max(COLOURED, 1.0 + SURE * math.sqrt(2.0 / (self.dimension * self.spans)))
+        return self.level > max(COLOURED, 1.0 + SURE * self.chance)

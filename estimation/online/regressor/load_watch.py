@@ -106,8 +106,8 @@ class LoadWatch:
     @property
     def excess(self) -> float:
         """How many times as large as told the variance of sums of innovations over seconds is, of which estimates are
-        made; 1 at least."""
-        return max(self._white.level, 1.0)
+        made: at least, but for chance."""
+        return max(self._white.level / (1.0 + self._white.chance), 1.0)
 
     @property
     def _fits(self) -> bool:
