@@ -10,7 +10,8 @@ former is gone (von Neumann 1941).
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, field
+from contextlib import suppress
+from dataclasses import dataclass, field, replace
 from typing import NamedTuple, Self
 
 import numpy as np
@@ -28,7 +29,6 @@ KEPT = 0.998
 """Share that is kept with each row of what older ones told; ten come a second."""
 APART = 3
 """Rows from one innovation to that from which it differs: 0.3 s."""
-
 LOUD = 6.0
 """Normalised squares, by component, beyond which a difference is no louder: what jumps is no noise."""
 TOLD_FROM = 1.5
@@ -53,15 +53,20 @@ class WrenchLoudness:
     last: tuple[Row, ...] = ()
 
     def after(self, innovation: Innovation, of_wrenches: Array) -> Self:
-        """After a row that counted on `usual`, to which white samples would give the covariance (n, n)."""
+        """After a row that counted on `usual`, to which white samples would give the covariance (n, n). One without
+        noise, or beyond numbers, tells nothing."""
         row = Row(innovation.value, innovation.of_known - self.usual * of_wrenches, of_wrenches)
-        last, told, usual = (*self.last, row)[-APART:], self.told, self.usual
-        if len(self.last) == APART:
-            before = self.last[0]
-            spread = row.other + before.other + LEVELS[:, None, None] * (row.of_wrenches + before.of_wrenches)
-            told = KEPT * told + log_likelihood(row.value - before.value, spread, LOUD)
-            usual = float(LEVELS[np.argmax(told - RARE * np.arange(len(LEVELS)))])
-        return type(self)(told, usual, last)
+        last = (*self.last, row)[-APART:]
+        if len(self.last) < APART:
+            return replace(self, last=last)
+        before = self.last[0]
+        spread = row.other + before.other + LEVELS[:, None, None] * (row.of_wrenches + before.of_wrenches)
+        told = np.full(len(LEVELS), np.nan)
+        with suppress(np.linalg.LinAlgError):
+            told = KEPT * self.told + log_likelihood(row.value - before.value, spread, LOUD)
+        if not np.isfinite(told).all():
+            return replace(self, last=last)
+        return type(self)(told, float(LEVELS[np.argmax(told - RARE * np.arange(len(LEVELS)))]), last)
 
     @property
     def suspicions(self) -> tuple[Suspicion, ...]:

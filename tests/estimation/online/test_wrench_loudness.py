@@ -62,6 +62,23 @@ def test_a_second_of_outliers_in_half_a_minute_is_no_noise(seed, size):
     assert told(rows) < 2.1
 
 
+@settings(max_examples=15, deadline=None)
+@given(
+    value=st.sampled_from([np.nan, np.inf, -np.inf, 1e300]), spread=st.sampled_from([0.0, np.nan, np.inf, 1e300, -1.0])
+)
+def test_rows_beyond_numbers_tell_nothing(value, spread):
+    """A singular one among them."""
+    strange = Innovation(np.nan, np.zeros(0), np.zeros((0, 0)), *3 * [np.full((2, 2), spread)])
+    strange = strange._replace(value=np.array([value, 0.1]))
+    loudness, sound = WrenchLoudness(), Innovation(0.0, np.zeros(0), np.zeros((0, 0)), np.zeros(2), *2 * [ELSE + WHITE])
+    with np.errstate(all="ignore"):
+        for row, white in ((sound, WHITE), (strange, np.full((2, 2), spread)), (sound, WHITE)):
+            for _ in range(4):
+                loudness = loudness.after(row, white)
+    assert np.isfinite(loudness.told).all()
+    assert loudness.usual == 1.0
+
+
 @pytest.fixture(scope="module")
 def remembered():
     """A drive with forces that nearly are exact, and the noise to be added to them, by arm."""
