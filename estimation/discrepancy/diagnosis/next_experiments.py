@@ -142,12 +142,12 @@ def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, floa
     shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
     known = [family for family in every_family(found.final) if family.key in shown]
     middle = [(family.variants[len(family.variants) // 2], shown[family.key]) for family in known]
-    asked = [(e, _unseen_size(e, z), z) for e, z in middle]
+    asked = [(e, unseen_size(e, z), z) for e, z in middle]
     fit = [one for one in asked if one[0].name not in names and one[0].gate is Gate.ALWAYS and _is_seen(one[0])]
     return [(_of_size(effect, size), size, size * z) for effect, size, z in fit]
 
 
-def _unseen_size(effect: Effect, z: float) -> float:
+def unseen_size(effect: Effect, z: float) -> float:
     """Which size of an effect, whose usual one shows by z deviations, may be there unseen."""
     if isinstance(effect, ConstraintEffect) or _nats(z) < WORTH:
         return 1.0

@@ -1,11 +1,16 @@
 """What to run next, in words: what the motion tells, what it leaves open, and what no motion would tell."""
 
+import math
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from estimation.discrepancy.diagnosis.next_experiments import NOTHING_OPEN, Next, next_experiment
+from cartgrasp.effects import ViscousDrag
+from estimation.discrepancy.diagnosis.next_experiments import NOTHING_OPEN, Next, next_experiment, unseen_size
+from estimation.discrepancy.search.gains import CONFUSABLE
+from estimation.discrepancy.search.plausible import LEAST_SIZE
 from estimation.experiments.manoeuvres import Limits, pieces
 from estimation.experiments.proposal import Experiment, Proposal, Question
 
@@ -39,8 +44,10 @@ def diagnosis(names=(), verdict="explained", laws=(), may_follow=(), is_moved=Tr
 def asked(monkeypatch):
     """Of questions, each with the deviations that the best motion gives."""
 
-    def told(answers):
+    def told(answers, size=1.0):
+        """The last question is of an effect of that size."""
         questions = tuple(Question(*names, 0, 0) for names, _ in answers)
+        questions = (*questions[:-1], replace(questions[-1], size=size))
         found = Proposal((ROLL,), POSE, questions, tuple(z for _, z in answers))
         monkeypatch.setattr(
             "estimation.discrepancy.diagnosis.next_experiments.undecided", lambda _: Experiment((), (), None)
@@ -49,6 +56,25 @@ def asked(monkeypatch):
         return next_experiment(diagnosis())
 
     return told
+
+
+@pytest.mark.parametrize("z", [5.0, 1.0])
+def test_where_nothing_usual_is_shown_a_motion_tells_of_less(asked, z):
+    """As far as it does."""
+    found = asked([(("d", ""), 1.0), (("e", ""), z)], size=0.3)
+    hidden = "no motion of this speed and length shows d"
+    assert (found.proposal is not None) == (z > 3.0)
+    assert found.words == ((f"to see whether there is less than usual of e: {ROLL.says}",) if z > 3.0 else ()) + (
+        hidden,
+    )
+
+
+def test_an_effect_is_asked_about_in_the_size_that_may_be_there_unseen():
+    """Which shows by about three deviations; no less than what has a name."""
+    drag = ViscousDrag(0.0, 0.0)
+    assert unseen_size(drag, 1.0) == 1.0
+    assert unseen_size(drag, 10.0) * 10.0 == pytest.approx(math.sqrt(2.0 * CONFUSABLE))
+    assert unseen_size(drag, 1e4) == LEAST_SIZE
 
 
 def test_rivals_are_told_by_the_worse_of_both_ways(asked):
