@@ -20,7 +20,6 @@ from itertools import pairwise
 from typing import Any
 
 import numpy as np
-from scipy.signal import lfilter
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
@@ -32,12 +31,13 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.studies import shopping_cart
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, Drive, Job, drive_cart, filter_noise, guess
+from cartgrasp.studies.estimators import HANDS, PATHS, SENSORS, Drive, Job, drive_cart, filter_noise, guess
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
 from planning.references import chain, straight
 
+from .sealed.sensors import noise as drawn_noise
 from .sensor_faults import Fault, poses, wrenches
 
 IN_TIME = 5.0
@@ -276,12 +276,10 @@ def _louder(driven: Drive, factor: float, seed: int) -> tuple[RunLog, FilterNois
 def _remembering(driven: Drive, memory: float, seed: int) -> tuple[RunLog, FilterNoise]:
     """First-order autoregressive noise beside what wrenches have."""
     log, random, size = driven.log, np.random.default_rng([seed, 10]), np.repeat([FORCE, MOMENT], 3)
-    keep = np.exp(-PERIOD / memory) if memory > 0.0 else 0.0
-    arms = {}
-    for name, arm in log.arms.items():
-        fresh = random.standard_normal(arm.wrench.shape)
-        fresh[1:] *= np.sqrt(1.0 - keep**2)
-        arms[name] = ArmLog(arm.contact, arm.wrench + size * lfilter([1.0], [1.0, -keep], fresh, axis=0))
+    arms = {
+        name: ArmLog(arm.contact, arm.wrench + size * drawn_noise(arm.wrench.shape, log.time, memory, random))
+        for name, arm in log.arms.items()
+    }
     declared = exact_noise(QUIET)
     return replace(log, arms=arms), replace(
         declared, force=float(np.hypot(declared.force, FORCE)), moment=float(np.hypot(declared.moment, MOMENT))

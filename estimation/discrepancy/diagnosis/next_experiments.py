@@ -92,13 +92,12 @@ def undecided(found: Diagnosis) -> Experiment | None:
         cart = final.cart.with_effect(effect)
         beliefs.append(Belief(cart, np.zeros((len(cart.parameters), 0))))  # by nobody's fit
         questions.append(Question(effect.key, "", len(beliefs) - 1, own, 1.0 / len(usual), before, size))
-    is_open = any(_is_open(one) and one.size == 1.0 for one in questions)
-    return Experiment(tuple(beliefs), tuple(questions), hands) if is_open else None
+    return Experiment(tuple(beliefs), tuple(questions), hands) if any(map(_is_open, questions)) else None
 
 
 def _is_open(question: Question) -> bool:
-    """Whether logs tell it by less than a name takes."""
-    return _nats(question.before) < WORTH
+    """Whether logs tell it, of usual size, by less than a name takes."""
+    return question.size == 1.0 and _nats(question.before) < WORTH
 
 
 def _belief(model: Model) -> Belief:
@@ -227,7 +226,7 @@ def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
         if one.other:
             pair = (one.name, one.other) if (one.other, one.name) not in pairs else (one.other, one.name)
             pairs[pair] = min(z, pairs.get(pair, z))
-        elif _is_open(one) and one.size == 1.0:
+        elif _is_open(one):
             alone[one.name] = z
     return pairs, alone
 

@@ -314,13 +314,13 @@ class ParameterLearner:
     def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> TakenIn | Tried:
         """What the belief, or a trial, makes of a row."""
         if self._trial is not None:
-            return Tried(time, row.of_wrenches, self._trial.with_row(row, self.theta)).go_on()
+            return Tried(time, self._trial.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         if not self._is_disturbed:
             self._level = self._level.after(innovation, of_white * self._one_disturbance)
         self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
-        return TakenIn(time, row.of_wrenches, innovation)
+        return TakenIn(time, innovation)
 
     def _decide(self, time: float, told: Innovation | Trial) -> Decided | Beginning:
         """What a row says of loads and pushes."""

@@ -37,8 +37,8 @@ ABSURD = 1e6
 
 class Innovation(NamedTuple):
     """The innovation of a row, of a `value` (n,) with its covariance, and its normalised square; `of_known` (n, n) is
-    the covariance if parameters were known. What it says of a change of the free parameters (f,) since before it is
-    information (f, f) and its product with the change."""
+    the covariance if parameters were known, of which white noise of wrenches makes `of_wrenches` (n, n). What it says
+    of a change of the free parameters (f,) since before it is information (f, f) and its product with the change."""
 
     square: float
     pull: Array
@@ -46,6 +46,7 @@ class Innovation(NamedTuple):
     value: Array
     covariance: Array
     of_known: Array
+    of_wrenches: Array
 
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
         """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
@@ -115,7 +116,7 @@ class RegressionBelief:
         row, at = self._products.of_row(row, at), self._products.products(at)
         known = self._known, self._noise
         (self._known, self._noise), told = kernels.absorbed(known, row, at, self._free, (KEPT, GATE, ABSURD))
-        innovation = Innovation(*told)
+        innovation = Innovation(*told, row.of_wrenches)
         if not innovation.square < ABSURD * self._n:
             self.drop_link()
         return innovation

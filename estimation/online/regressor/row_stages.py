@@ -8,8 +8,6 @@ from __future__ import annotations
 
 from typing import NamedTuple
 
-from cartgrasp.frames import Array
-
 from ..kernels.row_algebra import FilteredRow, Weights
 from .filtered_row import Block
 from .motion_tracker import Smoothing
@@ -36,29 +34,26 @@ class RowOf(NamedTuple):
 
 
 class Tried(NamedTuple):
-    """A row of a time (s), and with noise of white wrenches (n, n), on its way through a trial."""
+    """A row of a time (s) on its way through a trial."""
 
     time: float
-    of_wrenches: Array
     row: TrialRow
 
     def go_on(self) -> Tried | TakenIn:
         row = self.row.go_on()
-        return self._replace(row=row) if row.trial is None else TakenIn(self.time, self.of_wrenches, row.trial)
+        return self._replace(row=row) if row.trial is None else TakenIn(self.time, row.trial)
 
 
 class TakenIn(NamedTuple):
-    """A row of a time (s), with noise of white wrenches (n, n), that the belief has taken in: its innovation, or the
-    trial that went on with it."""
+    """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
 
     time: float
-    of_wrenches: Array
     told: Innovation | Trial
 
     def heard(self, before: WrenchLoudness) -> tuple[WrenchLoudness, Heard]:
         """How loud wrenches are after the row."""
         innovation = self.told.innovation if isinstance(self.told, Trial) else self.told
-        return before.after(innovation, self.of_wrenches), Heard(self.time, self.told)
+        return before.after(innovation), Heard(self.time, self.told)
 
 
 class Heard(NamedTuple):

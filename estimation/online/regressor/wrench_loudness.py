@@ -52,9 +52,9 @@ class WrenchLoudness:
     usual: float = 1.0
     last: tuple[Row, ...] = ()
 
-    def after(self, innovation: Innovation, of_wrenches: Array) -> Self:
-        """After a row that counted on `usual`, to which white samples would give the covariance (n, n). One without
-        noise, or beyond numbers, tells nothing."""
+    def after(self, innovation: Innovation) -> Self:
+        """After a row that counted on `usual`. One without noise, or beyond numbers, tells nothing."""
+        of_wrenches = innovation.of_wrenches
         row = Row(innovation.value, innovation.of_known - self.usual * of_wrenches, of_wrenches)
         last = (*self.last, row)[-APART:]
         if len(self.last) < APART:

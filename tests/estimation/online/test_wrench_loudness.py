@@ -8,8 +8,8 @@ import numpy as np
 import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
-from scipy.signal import lfilter
 
+from benchmarks.sealed.sensors import noise
 from cartgrasp.logs import ArmLog
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
 from cartgrasp.studies.estimators import HANDS, PERIOD, Job, drive_cart, guess
@@ -30,8 +30,7 @@ def told(rows):
     loudness = WrenchLoudness()
     for row in rows:
         spread = ELSE + loudness.usual * WHITE
-        innovation = Innovation(0.0, np.zeros(0), np.zeros((0, 0)), row, 4.0 * spread, spread)
-        loudness = loudness.after(innovation, WHITE)
+        loudness = loudness.after(Innovation(0.0, np.zeros(0), np.zeros((0, 0)), row, 4.0 * spread, spread, WHITE))
     return loudness.usual
 
 
@@ -68,13 +67,13 @@ def test_a_second_of_outliers_in_half_a_minute_is_no_noise(seed, size):
 )
 def test_rows_beyond_numbers_tell_nothing(value, spread):
     """A singular one among them."""
-    strange = Innovation(np.nan, np.zeros(0), np.zeros((0, 0)), *3 * [np.full((2, 2), spread)])
-    strange = strange._replace(value=np.array([value, 0.1]))
-    loudness, sound = WrenchLoudness(), Innovation(0.0, np.zeros(0), np.zeros((0, 0)), np.zeros(2), *2 * [ELSE + WHITE])
+    loudness, known = WrenchLoudness(), ELSE + WHITE
+    sound = Innovation(0.0, np.zeros(0), np.zeros((0, 0)), np.zeros(2), known, known, WHITE)
+    full = np.full((2, 2), spread)
+    strange = Innovation(np.nan, np.zeros(0), np.zeros((0, 0)), np.array([value, 0.1]), full, full, full)
     with np.errstate(all="ignore"):
-        for row, white in ((sound, WHITE), (strange, np.full((2, 2), spread)), (sound, WHITE)):
-            for _ in range(4):
-                loudness = loudness.after(row, white)
+        for row in 4 * [sound] + 4 * [strange] + 4 * [sound]:
+            loudness = loudness.after(row)
     assert np.isfinite(loudness.told).all()
     assert loudness.usual == 1.0
 
@@ -82,20 +81,18 @@ def test_rows_beyond_numbers_tell_nothing(value, spread):
 @pytest.fixture(scope="module")
 def remembered():
     """A drive with forces that nearly are exact, and the noise to be added to them, by arm."""
-    driven, keep = drive_cart(drawn_cart(7), Job("curves", "quiet", 7)), np.exp(-PERIOD / HELD_BY)
-    random = np.random.default_rng(7)
-    noise = {}
-    for name, arm in driven.log.arms.items():
-        fresh = np.sqrt(1.0 - keep**2) * random.standard_normal(arm.wrench.shape)
-        noise[name] = np.repeat([FORCE, MOMENT], 3) * lfilter([1.0], [1.0, -keep], fresh, axis=0)
-    return driven, noise
+    driven = drive_cart(drawn_cart(7), Job("curves", "quiet", 7))
+    random, size, time = np.random.default_rng(7), np.repeat([FORCE, MOMENT], 3), driven.log.time
+    return driven, {
+        name: size * noise(arm.wrench.shape, time, HELD_BY, random) for name, arm in driven.log.arms.items()
+    }
 
 
 def test_a_sound_cart_whose_forces_have_a_memory_is_sound(remembered):
     """Sums of such noise have `coth(dt / 2 t)` times the variance of white noise, which is 9.4."""
-    driven, noise = remembered
+    driven, beside = remembered
     declared = replace(exact_noise("quiet"), force=FORCE, moment=MOMENT)
-    arms = {name: ArmLog(arm.contact, arm.wrench + noise[name]) for name, arm in driven.log.arms.items()}
+    arms = {name: ArmLog(arm.contact, arm.wrench + beside[name]) for name, arm in driven.log.arms.items()}
     online = CartFilter(guess(), list(HANDS), noise=declared, prior=PRIOR)
     found = [online.update(one) for one in replace(driven.log, arms=arms).measurements()]
     (said,) = found[-1].suspicions

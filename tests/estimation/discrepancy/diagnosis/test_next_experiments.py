@@ -62,11 +62,9 @@ def asked(monkeypatch):
 def test_where_nothing_usual_is_shown_a_motion_tells_of_less(asked, z):
     """As far as it does."""
     found = asked([(("d", ""), 1.0), (("e", ""), z)], size=0.3)
-    hidden = "no motion of this speed and length shows d"
-    assert (found.proposal is not None) == (z > 3.0)
-    assert found.words == ((f"to see whether there is less than usual of e: {ROLL.says}",) if z > 3.0 else ()) + (
-        hidden,
-    )
+    told = [f"to see whether there is less than usual of e: {ROLL.says}"] if z > 3.0 else []
+    assert (found.proposal is not None) == bool(told)
+    assert found.words == (*told, "no motion of this speed and length shows d")
 
 
 def test_an_effect_is_asked_about_in_the_size_that_may_be_there_unseen():
