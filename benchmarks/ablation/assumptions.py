@@ -95,6 +95,13 @@ ASSUMPTIONS = (
             "FAR": "way after a reversal on which forms of drag differ",
         },
     ),
+    *_of(
+        "discrepancy.search.continuum",
+        {
+            "NEIGHBOURS": "how wide noise is alike about a frequency, in steps of what a log resolves",
+            "HUMP": "nats beforehand against louder noise there",
+        },
+    ),
     *_of("discrepancy.search.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
     *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(

@@ -61,6 +61,7 @@ REASONS: dict[str, dict[str, str]] = {
         "ROUNDS": "effort",
     },
     "discrepancy.search.candidates": {"EVER": "stands for infinity"},
+    "discrepancy.search.continuum": {"LEAST": "rounding"},
     "discrepancy.search.form_error": {"MOST_MODES": "memory"},
     "discrepancy.findings.certainty": {
         "TAUGHT": "a flag that the report does not tell",
@@ -123,6 +124,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.search.periods": {
         "SCANNED": "grid of periods",
         "OF": "words",
+        "SCANNED_FORCES": "words",
         "HARMONICS": "grid of laws",
         "OVERSAMPLED": "grid of a Fourier transform",
         "KNOWN": "effort",

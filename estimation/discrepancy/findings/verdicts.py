@@ -34,6 +34,9 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside {rest}"
         why = " beside what gained most" * (least > WORTH)
         return f"gains {round(one.gain, 1) + 0.0:.1f} nats{beside}, and {least:.1f} are needed{why}"
+    if not one.repeats(WORTH):
+        gained = f"gains {one.beside_neighbours:.1f} nats beside noise that wanders about its period"
+        return f"{gained}, and {WORTH:g} are needed"
     if one.gain < SURE * one.error:
         return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"
     if odd := _objection(one):

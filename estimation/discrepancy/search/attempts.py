@@ -26,8 +26,8 @@ class Refit:
 @dataclass(frozen=True, eq=False)
 class Attempt:
     """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error, the gain
-    beside what the forms of others may leave (None: there are no others), and, of what is met once, beside noise that
-    drifts as what is left does."""
+    beside what the forms of others may leave (None: there are no others), of what is met once, beside noise that
+    drifts as what is left does, and of what repeats, beside noise that wanders about its period."""
 
     candidate: Effect | Law | Refit
     gain: float
@@ -36,11 +36,16 @@ class Attempt:
     error: float = 0.0
     beside_forms: float | None = None
     beside_drift: float | None = None
+    beside_neighbours: float | None = None
 
     @property
     def own_gain(self) -> float:
         """The part of the gain that neither another effect's form makes, nor what drifts."""
         return min(one for one in (self.gain, self.beside_forms, self.beside_drift) if one is not None)
+
+    def repeats(self, least: float) -> bool:
+        """Whether it does, rather than wander about a period, or has none."""
+        return self.beside_neighbours is None or self.beside_neighbours >= least
 
     @property
     def key(self) -> str:

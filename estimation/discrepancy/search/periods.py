@@ -16,12 +16,13 @@ from cartgrasp.wheels import FIXED
 from ...weak_form.balances import Balances
 from ...weak_form.integrals import THIN
 from .course import Course
-from .laws import AT_HANDS, Law, both_ways
+from .laws import AT_HANDS, Law, both_ways, seen_values
 from .model import Model
 
 SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
 OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
+SCANNED_FORCES = ("forward_force", "world_force", "yaw_moment")
 HARMONICS = (1, 2, 4, 8)
 """Numbers of harmonics of a law: a pulse to and fro has more of the higher ones than of the first."""
 OVERSAMPLED = 8
@@ -58,18 +59,8 @@ class Scan:
 
     def columns(self, frequencies: Array, harmonics: int, course: Course, balances: Balances, cart: CartModel) -> Array:
         """Raw columns (k, c, v, 2 h) of cosines and sines of frequencies (v,) and so many harmonics of each."""
-        variable, unit = self.of(course), self._unit(course, cart.constraints.n_free)
-        pushed = np.flatnonzero(unit.any(axis=0))
-        turns = 2 * np.pi * np.multiply.outer(frequencies, np.arange(1, harmonics + 1))
-
-        def waves(at: slice) -> Array:
-            phase = variable[at, None, None] * turns
-            both = np.concatenate([np.cos(phase), np.sin(phase)], axis=2)
-            return np.asarray(unit[at][:, pushed, None, None] * both[:, None])
-
-        found = np.zeros((len(balances.used), balances.n_balances(cart), len(frequencies), 2 * harmonics))
-        found[:, pushed] = balances.integrals.by_parts(waves, is_thin=True)
-        return found
+        turns = np.multiply.outer(frequencies, np.arange(1, harmonics + 1))
+        return _waves(self.of(course), _unit(self.effect, course, cart.constraints.n_free), turns, balances, cart)
 
     @property
     def spacing(self) -> float:
@@ -87,7 +78,7 @@ class Scan:
         for course, pull in zip(courses, pulls, strict=True):
             at = (self.of(course) - first) / step
             low = np.floor(at).astype(int)
-            signal = (pull * self._unit(course, pull.shape[1])).sum(axis=1)
+            signal = (pull * _unit(self.effect, course, pull.shape[1])).sum(axis=1)
             for where, share in ((low, 1 - (at - low)), (low + 1, at - low)):
                 total += np.bincount(where % count, weights=signal * share, minlength=count)
         frequencies = np.asarray(np.fft.rfftfreq(count, step), dtype=float)
@@ -107,17 +98,44 @@ class Scan:
             found += [(float(total[i]), float(each[i]), harmonics) for i in peaks]
         return found
 
-    def _unit(self, course: Course, free: int) -> Array:
-        """What a unit of the force gives in the free directions (n, f)."""
-        effect, angle, found = self.effect, self.effect.direction - course.heading, np.zeros((len(course.time), free))
-        if effect.acts_on == "yaw_moment":
-            found[:, -1] = 1.0
-            return found
-        is_of_world = effect.acts_on == "world_force"
-        if free > 1:
-            found[:, -1] = effect.ahead * np.sin(angle) if is_of_world else -effect.lever
-        found[:, 0] = np.cos(angle) if is_of_world else 1.0
+
+def _waves(variable: Array, unit: Array, turns: Array, balances: Balances, cart: CartModel) -> Array:
+    """Raw columns (k, c, v, 2 h) of cosines and sines of a variable (n,), of frequencies (v, h), in the free directions
+    (n, f) of a unit."""
+    pushed = np.flatnonzero(unit.any(axis=0))
+
+    def waves(at: slice) -> Array:
+        phase = variable[at, None, None] * (2 * np.pi * turns)
+        both = np.concatenate([np.cos(phase), np.sin(phase)], axis=2)
+        return np.asarray(unit[at][:, pushed, None, None] * both[:, None])
+
+    found = np.zeros((len(balances.used), balances.n_balances(cart), turns.shape[0], 2 * turns.shape[1]))
+    found[:, pushed] = balances.integrals.by_parts(waves, is_thin=True)
+    return found
+
+
+def _unit(effect: LearnedForce, course: Course, free: int) -> Array:
+    """What a unit of the force gives in the free directions (n, f)."""
+    angle, found = effect.direction - course.heading, np.zeros((len(course.time), free))
+    if effect.acts_on == "yaw_moment":
+        found[:, -1] = 1.0
         return found
+    is_of_world = effect.acts_on == "world_force"
+    if free > 1:
+        found[:, -1] = effect.ahead * np.sin(angle) if is_of_world else -effect.lever
+    found[:, 0] = np.cos(angle) if is_of_world else 1.0
+    return found
+
+
+def is_like_a_scans(effect: LearnedForce) -> bool:
+    """Whether it repeats, and is a force or a moment, not a drag, of what is scanned."""
+    return bool(effect.period) and effect.of in OF.values() and effect.acts_on in SCANNED_FORCES
+
+
+def waves(effect: LearnedForce, frequencies: Array, balances: Balances, cart: CartModel) -> Array:
+    """Raw columns (k, c, v, 2) of cosines and sines of frequencies (v,) of a force like one that repeats."""
+    variable, course = seen_values(effect, [balances.motion]), Course.along(balances.motion)
+    return _waves(variable, _unit(effect, course, cart.constraints.n_free), frequencies[:, None], balances, cart)
 
 
 def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: float) -> list[Scan]:

@@ -16,6 +16,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.balances import Balances
 from ...weak_form.wheel_tracks import leaves
 from .attempts import Attempt, Refit, Step
+from .continuum import beside_neighbours
 from .form_error import FormError
 from .gains import (
     CONFUSABLE,
@@ -33,6 +34,7 @@ from .gains import (
 )
 from .laws import Law
 from .model import FORM_LEVER, Model
+from .periods import is_like_a_scans
 from .plausible import ESSENTIAL, LEVERS, ODDS, TOLD, is_plausible
 from .refine import refined
 from .revisited import dropped, searched_again
@@ -203,7 +205,7 @@ def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt 
     """The simplest attempt that is not surely worth less than the best that somebody would call so (Breiman's rule of
     one standard error). Only those count that are worth it, and more than what the form of others may have left."""
     known = [one for one in attempts if one.model and may_be(one)]
-    known = [one for one in known if one.own_gain >= least_gain(one, form_error, least)]
+    known = [one for one in known if one.own_gain >= least_gain(one, form_error, least) and one.repeats(least)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
@@ -288,4 +290,7 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
     beside = None if forms is None else before + worth(*forms.scores(new, found), colour)
     is_once = isinstance(found, Effect) and new.meets_once(found)
     drifting = before + worth(model.score, new.score, new.colour) if is_once else None
-    return Attempt(found, gain, one.tried, new, error, beside, drifting)
+    wandering = None
+    if isinstance(found, Law) and is_like_a_scans(found.effects[0]):
+        wandering = before + beside_neighbours(new, found)
+    return Attempt(found, gain, one.tried, new, error, beside, drifting, wandering)

@@ -1,6 +1,6 @@
 """Candidates from outside: effects of one's own, and laws, in the same comparison and in rollouts."""
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import ClassVar
 
 import numpy as np
@@ -13,6 +13,8 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.driven import Driven
 from estimation.discrepancy.findings.rollouts import rolled_out, starts
+from estimation.discrepancy.search.gains import every_family
+from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate
@@ -96,3 +98,15 @@ def test_rollouts_have_effects_without_a_kernel():
     own, ours = (rolled_out(balances, cart, first, starts_of[0]) for cart in carts)
     np.testing.assert_allclose(own, ours, atol=1e-6)
     np.testing.assert_allclose(starts_of[0].velocity, starts_of[1].velocity, atol=1e-4)
+
+
+def test_every_candidate_beside_a_log_in_which_nobody_pushes_has_columns():
+    """A turned frame, too, which would turn the hands' wrenches where there were any."""
+    log = replace(resisted(braked, 3, 12.0), arms={})
+    model = Model.started([Balances.of(log, CART)], CART)
+    for family in every_family(model):
+        for effect in family.variants[:2]:
+            columns, std = model.columns_of(effect)
+            assert np.isfinite(columns).all(), effect.key
+            assert columns.shape[2] == len(std)
+    assert "pose_offset" in {family.key for family in every_family(model)}
