@@ -10,13 +10,13 @@ from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, ident
 from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.whole_log.agreement import against_identify
-from estimation.whole_log.coasting import body_as_given
+from estimation.whole_log.coasting import as_given, prior_of
 from estimation.whole_log.replay import Replay, as_replayed, replay
 
 from ..cart_file import load_cart
 from ..checks import unrounded
 from ..errors import DataError, UsageError
-from ..logs import RunLog, coasts, read_log, said_to_coast
+from ..logs import RunLog, read_log, said_to_coast
 from ..logs.coasting import check_pushed, check_said
 from ..logs.emps import rail_cart
 from ..model import CartModel
@@ -49,7 +49,7 @@ def run(
         check_writable(out, path, cart_path, topics)
     log = log_of(path, topics, coasting)
     if method == "paper":
-        check_pushed(log, "and the paper's filter learns the body alone; --method filter takes it as given")
+        check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")
     looks = first_looks([log], cart, accepted, is_told=not as_json)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
@@ -59,7 +59,7 @@ def run(
     if as_json:
         print_json({**result.as_dict(), "checked": looks})
     else:
-        _print(result, body_as_given([log]))
+        _print(result, prior_of([log], cart))
     if method == "filter":
         _tell_disagreements(result, log, cart)
     return 0
@@ -94,14 +94,16 @@ def log_of(path: Path, topics: Path | None, coasting: bool) -> RunLog:
 
 def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
     """What can't be learned where nobody pushes."""
-    if logs and all(coasts(log) for log in logs):
-        body = f"mass ({cart.inertia.mass:g} kg), CoM and inertia are taken as given"
-        say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body}, and forces are told for them")
+    if logs and (given := as_given(logs, cart)):
+        mass = f"mass ({cart.inertia.mass:g} kg)"
+        body = f"{mass}, CoM and inertia are" if len(given) > 1 else f"{mass} is"
+        rest = "forces are told for them" if len(given) > 1 else "CoM, inertia and forces are told for it"
+        say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body} taken as given, and {rest}")
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
     thinned = as_replayed(log)
-    noise, prior = noise_of_log(thinned, cart), body_as_given([log])
+    noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
     estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, tell, until=float(log.time[-1]))
 

@@ -8,7 +8,7 @@ from pathlib import Path
 from estimation import CartFilter
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.log_noise.marks import without_marks
-from estimation.whole_log.coasting import body_as_given, with_known_wrench
+from estimation.whole_log.coasting import prior_of, with_known_wrench
 from estimation.whole_log.replay import replay
 
 from ..cart_file import load_cart
@@ -64,7 +64,7 @@ def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
     if cart is None:
         return ()
     told = with_known_wrench(log)
-    cart_filter = CartFilter(cart, list(told.arms), noise=noise_of_log(told, cart), prior=body_as_given([log]))
+    cart_filter = CartFilter(cart, list(told.arms), noise=noise_of_log(told, cart), prior=prior_of([log], cart))
     with progress(f"estimating from {log.name}") as tell:
         return replay(told, cart_filter, tell).estimates
 

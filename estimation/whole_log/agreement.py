@@ -12,7 +12,7 @@ from cartgrasp.motion import ParameterEstimate
 
 from ..log_noise.log_noise import noise_of_log
 from ..online.cart_filter import CartFilter
-from .coasting import body_as_given
+from .coasting import prior_of
 from .identification import identify
 from .replay import as_replayed, replay
 
@@ -27,7 +27,7 @@ def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, car
     thinned = as_replayed(log)
     if len(thinned) > MOST_ROWS:
         return ()
-    online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=body_as_given([log]))
+    online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=prior_of([log], cart))
     last = replay(thinned, online, until=float(log.time[-1])).last
     return disagreements(parameters, last.parameters, str(last.health))
 

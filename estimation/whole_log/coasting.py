@@ -1,6 +1,7 @@
 """Logs in which nobody pushes, for what learns from wrenches: the wrench is zero, and known to be.
 
-Forces are then known per mass only, so the body is taken as given, and effects are told for its mass.
+Motion then tells forces, CoM and inertia per mass only, so the mass is taken as given, and all else is told for it.
+On a rail nothing tells of CoM and inertia.
 """
 
 from __future__ import annotations
@@ -11,6 +12,7 @@ from dataclasses import replace
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.logs import RunLog, coasts
 from cartgrasp.logs.coasting import with_zero_wrench
+from cartgrasp.model import CartModel
 
 from ..prior import Prior
 
@@ -20,7 +22,13 @@ def with_known_wrench(log: RunLog) -> RunLog:
     return with_zero_wrench(log) if coasts(log) else log
 
 
-def body_as_given(logs: Sequence[RunLog], prior: Prior | None = None) -> Prior:
-    """The prior, with mass, CoM and inertia known where nobody pushes in any of the logs."""
-    prior = prior or Prior()
-    return replace(prior, known=prior.known | set(PHYSICAL_NAMES)) if all(coasts(log) for log in logs) else prior
+def as_given(logs: Sequence[RunLog], cart: CartModel) -> tuple[str, ...]:
+    """Names of the body's parameters that nothing tells where nobody pushes in any of the logs."""
+    if not all(coasts(log) for log in logs):
+        return ()
+    return PHYSICAL_NAMES if cart.constraints.no_rotation else PHYSICAL_NAMES[:1]
+
+
+def prior_of(logs: Sequence[RunLog], cart: CartModel) -> Prior:
+    """The usual prior, with what nothing tells known."""
+    return replace(Prior(), known=frozenset(as_given(logs, cart)))

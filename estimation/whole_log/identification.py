@@ -18,7 +18,7 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.errors import DataError, UsageError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, Inertia
-from cartgrasp.logs import RunLog, coasts
+from cartgrasp.logs import RunLog
 from cartgrasp.logs.alignment import aligned
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
@@ -30,6 +30,7 @@ from ..prior import Prior, report_names, report_units
 from ..weak_form.band import pooled
 from ..weak_form.rows import Errors
 from ..weak_form.standing import turning_back
+from .coasting import as_given
 from .corrected_fit import corrected
 from .log_parts import LogPart, NothingSaidError, learnable_parts
 
@@ -195,13 +196,12 @@ def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: 
 
 
 def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
-    """Names of what is known; a body that nobody pushes is taken as given."""
+    """Names of what is known, or taken as given where nobody pushes."""
     held = prior.held(cart)
     if cart.constraints.no_rotation:
         held[1:N_PHI] = False
-    if all(coasts(log) for log in logs):
-        held[:N_PHI] = True
-    return {name for name, is_held in zip(report_names(cart), held, strict=True) if is_held}
+    known = {name for name, is_held in zip(report_names(cart), held, strict=True) if is_held}
+    return known | set(as_given(logs, cart))
 
 
 def _log_fits(

@@ -11,7 +11,7 @@ from typing import Any
 from estimation import CartFilter, PaperFilter, RegressorEstimator
 from estimation.discrepancy import diagnose
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.whole_log.coasting import body_as_given, with_known_wrench
+from estimation.whole_log.coasting import prior_of, with_known_wrench
 from estimation.whole_log.identification import identify
 from estimation.whole_log.replay import replay
 
@@ -73,7 +73,7 @@ class LogJob(Job):
 
 def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
     thinned = with_known_wrench(log.thinned())
-    noise, prior = noise_of_log(thinned, cart), body_as_given([log])
+    noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
     estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, until=float(log.time[-1])).as_dict()
 

@@ -171,7 +171,7 @@ class Certainty:
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
         std = np.hypot(std, self._left_open)
         if not model.is_pushed:
-            std[:N_PHI] = 0.0  # as given
+            std[0] = 0.0  # as given
         body = cart.inertia
         values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
         scale = np.ones(len(values))

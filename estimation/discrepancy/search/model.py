@@ -54,8 +54,8 @@ def structure_prior(
     believed: Prior | None = None,
 ) -> ParameterPrior:
     """Prior of a cart like the guess, broad unless one is `believed`. Effects are as large as the guess says, but for
-    those that are `wide`; added ones may have any size. What the cart's file says of its first guess counts. The body
-    of a cart that nobody pushes is taken as given."""
+    those that are `wide`; added ones may have any size. What the cart's file says of its first guess counts. The mass
+    of a cart that nobody pushes is as given: motion tells CoM, inertia and forces by their shares of it."""
     mean, first = coordinates(cart), coordinates(guess)
     std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
     mean[:N_PHI] = first[:N_PHI]
@@ -79,7 +79,7 @@ def structure_prior(
             std[i] = told[name]
     free &= ~(believed or Prior()).held(cart)
     if not is_pushed:
-        free[:N_PHI] = False
+        free[0] = False
     return ParameterPrior(mean, std, free)
 
 
