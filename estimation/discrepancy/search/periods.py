@@ -167,6 +167,12 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: fl
     return found
 
 
+def harmonics_of(effect: LearnedForce, balances: Balances, cart: CartModel) -> Array:
+    """How much of the residual (k, c, a) a unit of each amplitude of a force that repeats takes away."""
+    found = waves(effect, np.array(effect.harmonics) / effect.period, balances, cart)
+    return -found.reshape(*found.shape[:2], -1)
+
+
 Found = tuple[float, Scan, float, int]
 """A gain, the scan that has it, its period and number of harmonics."""
 

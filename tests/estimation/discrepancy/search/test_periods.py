@@ -11,7 +11,7 @@ from cartgrasp.effects import LearnedForce
 from estimation.discrepancy.search.course import Course
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.periods import HARMONICS, OF, Scan, scanned
+from estimation.discrepancy.search.periods import HARMONICS, OF, Scan, harmonics_of, is_like_a_scans, scanned
 from estimation.discrepancy.search.screening import Screen
 from estimation.weak_form.balances import Balances
 
@@ -115,3 +115,25 @@ def test_a_proposed_mean_has_no_period_to_be_tuned():
     screen = Screen(hummed(1.3, 15.0, 12.0))
     mean = Law.free("as proposed", LearnedForce("forward_force", "time", period=1.0, harmonics=(0,)))
     assert screen.tuned(mean) is mean
+
+
+@pytest.mark.parametrize(
+    ("effect", "scanned"),
+    [
+        (LearnedForce("forward_force", "time", period=1.3, harmonics=(0, 1, 2)), True),
+        (LearnedForce("yaw_moment", "travelled_distance", lever=0.2, period=0.5), True),
+        (LearnedForce("world_force", "place", direction=np.pi / 2, period=0.7), True),
+        (LearnedForce("world_force", "place", direction=0.4, ahead=0.2, period=0.7), True),
+        (LearnedForce("drag", "travelled_distance", period=0.5), False),
+        (LearnedForce("yaw_moment", "heading"), False),
+    ],
+)
+def test_its_columns_are_the_effects(effect, scanned):
+    """But for how densely a motion is summed over. What is no wave of a scan's variable is told from it."""
+    assert is_like_a_scans(effect) == scanned
+    if scanned:
+        model = hummed(1.3, 15.0, 12.0)
+        (balances,) = model.logs
+        exact = balances.columns(model.cart, effect)
+        coarse = harmonics_of(effect, balances, model.cart)
+        assert np.abs(coarse - exact).max() < 0.02 * np.abs(exact).max()
