@@ -129,11 +129,12 @@ def test_a_proposed_mean_has_no_period_to_be_tuned():
     ],
 )
 def test_its_columns_are_the_effects(effect, scanned):
-    """But for how densely a motion is summed over. What is no wave of a scan's variable is told from it."""
+    """But for how densely a motion is summed over, and in which steps its way is added up. What is no wave of a scan's
+    variable is told from it."""
     assert is_like_a_scans(effect) == scanned
     if scanned:
         model = hummed(1.3, 15.0, 12.0)
         (balances,) = model.logs
         exact = balances.columns(model.cart, effect)
         coarse = harmonics_of(effect, balances, model.cart)
-        assert np.abs(coarse - exact).max() < 0.02 * np.abs(exact).max()
+        assert np.abs(coarse - exact).max() < 0.07 * np.abs(exact).max()
