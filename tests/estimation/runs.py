@@ -1,5 +1,6 @@
 """Logs for the estimators' tests, made by an integrator of the tests' own from hand-written reduced dynamics."""
 
+import math
 from functools import lru_cache
 
 import numpy as np
@@ -13,42 +14,62 @@ CONTACT = np.array([-0.25, 0.1, 1.0])
 
 def reduced_rate(state, fx, tau, cart):
     """Physics 4 by hand, with viscous and Coulomb drag at {b}'s origin; state (x, y, theta, u, r)."""
+    return np.array(_rate(state, fx, tau, cart))
+
+
+def _rate(state, fx, tau, cart):
     m, dx, dy, inertia, linear, angular, coulomb = cart
     _, _, theta, u, r = state
-    J = inertia + m * (dx**2 + dy**2)
-    drag = linear * u + coulomb * m * 9.81 * np.tanh(u / 0.001)
-    right = np.array([fx - drag + m * dx * r**2, tau - angular * r - m * dx * u * r])
-    acceleration = np.linalg.solve(np.array([[m, -m * dy], [-m * dy, J]]), right)
-    return np.array([u * np.cos(theta), u * np.sin(theta), r, *acceleration])
+    forward = fx - linear * u - coulomb * m * 9.81 * math.tanh(u / 0.001) + m * dx * r**2
+    turning = tau - angular * r - m * dx * u * r
+    # m u' - m dy r' = forward; -m dy u' + (I + m dx² + m dy²) r' = turning
+    bend = (turning + dy * forward) / (inertia + m * dx**2)
+    return u * math.cos(theta), u * math.sin(theta), r, forward / m + dy * bend, bend
 
 
 def push(time, curved=True):
     """Open-loop forward force and moment: accelerate, roll, brake; with curves both ways unless straight."""
     phase = time % 6.0
-    forward = np.where(phase < 1.5, 24.0, np.where(phase < 4.5, 6.0, -18.0))
-    swing = np.where(phase < 3.0, 1.0, -1.0) * 5.0 * np.sin(2 * np.pi * phase / 1.5)
-    return float(forward), float(swing) if curved else 0.0
+    forward = 24.0 if phase < 1.5 else 6.0 if phase < 4.5 else -18.0
+    swing = (5.0 if phase < 3.0 else -5.0) * math.sin(2 * math.pi * phase / 1.5)
+    return forward, swing if curved else 0.0
 
 
-@lru_cache(maxsize=4)
+def pushed(time, state):
+    """Forces that curve, whatever the cart does."""
+    return push(time)
+
+
+def pushed_straight(time, state):
+    """Those that do not."""
+    return push(time, curved=False)
+
+
+@lru_cache(maxsize=32)
 def integrate(cart, forces, duration, change=None):
     """Truth (n, 5) and reduced wrenches (n, 2) of a cart (m, dx, dy, I, linear, angular, coulomb) pushed with
     `forces(time, state) -> (fx, tau)`, held over each step. `change`: a time from which on it is another cart."""
-    state, states, wrenches = np.zeros(5), [], []
+    state, states, wrenches, h = (0.0,) * 5, [], [], STEP / SUBSTEPS
+
+    def moved(rate, step):
+        return tuple(s + step * r for s, r in zip(state, rate, strict=True))
+
     for k in range(round(duration / STEP)):
         if change is not None and k == round(change[0] / STEP):
             cart = change[1]
-        fx, tau = forces(k * STEP, state)
+        fx, tau = map(float, forces(k * STEP, state))
         states.append(state)
         wrenches.append([fx, tau])
         for _ in range(SUBSTEPS):
-            h = STEP / SUBSTEPS
-            k1 = reduced_rate(state, fx, tau, cart)
-            k2 = reduced_rate(state + h / 2 * k1, fx, tau, cart)
-            k3 = reduced_rate(state + h / 2 * k2, fx, tau, cart)
-            k4 = reduced_rate(state + h * k3, fx, tau, cart)
-            state = state + h / 6 * (k1 + 2 * k2 + 2 * k3 + k4)
-    return np.array(states), np.array(wrenches)
+            k1 = _rate(state, fx, tau, cart)
+            k2 = _rate(moved(k1, h / 2), fx, tau, cart)
+            k3 = _rate(moved(k2, h / 2), fx, tau, cart)
+            k4 = _rate(moved(k3, h), fx, tau, cart)
+            state = moved([(a + 2 * b + 2 * c + d) / 6 for a, b, c, d in zip(k1, k2, k3, k4, strict=True)], h)
+    found = np.array(states), np.array(wrenches)
+    for one in found:
+        one.flags.writeable = False  # the next one who asks gets the same
+    return found
 
 
 def wrench_rows(time, wrenches, parameters):
@@ -79,7 +100,7 @@ def record(truth, hands, noise, seed):
 
 def simulate(cart, seed=0, duration=12.0, curved=True, noise=(0.0004, 0.005, 0.0)):
     """A log of an open-loop push of a cart with one hand, and the truth (n, 5)."""
-    truth, wrenches = integrate(cart, lambda time, _: push(time, curved), duration)
+    truth, wrenches = integrate(cart, pushed if curved else pushed_straight, duration)
     wrench = np.zeros((len(truth), 6))
     wrench[:, 0] = wrenches[:, 0]
     wrench[:, 5] = wrenches[:, 1] + CONTACT[1] * wrenches[:, 0]
@@ -88,8 +109,8 @@ def simulate(cart, seed=0, duration=12.0, curved=True, noise=(0.0004, 0.005, 0.0
 
 def weave(time, state):
     """Two hands' feedback on speed and heading, from rest: forwards and back at times, with many turns."""
-    speed = 0.0 if time < 0.5 else 0.35 + 0.35 * np.sin(0.7 * time + 1.0) + 0.1 * np.sin(1.9 * time)
-    heading = 0.9 * np.sin(0.5 * time) + 0.35 * np.sin(1.3 * time)
+    speed = 0.0 if time < 0.5 else 0.35 + 0.35 * math.sin(0.7 * time + 1.0) + 0.1 * math.sin(1.9 * time)
+    heading = 0.9 * math.sin(0.5 * time) + 0.35 * math.sin(1.3 * time)
     return 80.0 * (speed - state[3]), 40.0 * (heading - state[2]) - 25.0 * state[4]
 
 

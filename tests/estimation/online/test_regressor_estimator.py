@@ -23,7 +23,7 @@ from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, Innovation, RegressionBelief
 from estimation.whole_log.replay import replay
 
-from ..runs import integrate, push, simulate, simulate_two_hands, wrench_rows
+from ..runs import integrate, pushed, simulate, simulate_two_hands, wrench_rows
 from ..whole_log.test_identification import at_rest
 from .declared import left_out
 
@@ -95,7 +95,7 @@ def test_neighbours_share_half_of_the_noise_at_most_whatever_the_clock():
 
 def test_a_row_of_the_truth_has_no_residual():
     """Hand-written dynamics, integrated; and slopes by differences."""
-    truth, wrenches = integrate((*TRUTH[:-1], 0.0), lambda time, _: push(time), 1.3)
+    truth, wrenches = integrate((*TRUTH[:-1], 0.0), pushed, 1.3)
     cart = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(linear=3.0, angular=1.2),))
     block = slice(100, 126)
     states, time = truth[block], 0.01 * np.arange(100, 126)

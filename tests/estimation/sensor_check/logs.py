@@ -57,11 +57,16 @@ def two_hands(seed=0, noise=NOISE, duration=40.0):
     return record(truth, hands_of(wrenches), noise, seed)
 
 
+def to_and_fro(time, state):
+    """Feedback on the speed."""
+    return 60.0 * (0.5 * np.sin(0.8 * time) - state[3]), 0.0
+
+
 @lru_cache(maxsize=2)
 def on_rail(seed=0, noise=NOISE, duration=30.0):
     """A sound log without turns, one hand at the origin, to and fro."""
     plant = (24.0, 0.0, 0.0, 2.0, 3.0, 1.2, 0.01)
-    truth, wrenches = integrate(plant, lambda t, state: (60.0 * (0.5 * np.sin(0.8 * t) - state[3]), 0.0), duration)
+    truth, wrenches = integrate(plant, to_and_fro, duration)
     wrench = np.zeros((len(truth), 6))
     wrench[:, 0] = wrenches[:, 0]
     log = record(truth, {"hand": (np.zeros(3), wrench)}, noise, seed)

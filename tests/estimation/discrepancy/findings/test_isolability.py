@@ -10,7 +10,7 @@ from estimation.discrepancy.findings.isolability import compared, isolability
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 
-from ...runs import integrate, push, record, weave
+from ...runs import integrate, pushed_straight, record, weave
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
 CART = CartModel(Inertia(24.0, (0.2, 0.0), 2.0), effects=(ViscousDrag(linear=3.0, angular=1.2),))
@@ -55,7 +55,7 @@ def test_an_effect_with_two_amplitudes_is_like_one_in_its_plane():
 
 
 def model(weaves):
-    truth, wrenches = integrate(TRUTH, weave if weaves else lambda time, _: push(time, curved=False), 24.0)
+    truth, wrenches = integrate(TRUTH, weave if weaves else pushed_straight, 24.0)
     wrench = np.zeros((len(truth), 6))
     wrench[:, 0], wrench[:, 5] = wrenches.T
     log = record(truth, {"hand": (np.array([-0.4, 0.0, 1.0]), wrench)}, (0.0004, 0.004, 1.0), 3)
