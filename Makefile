@@ -71,6 +71,7 @@ demo: setup
 	$(ENV) $(BIN)/cartgrasp demo --out out/demo
 
 test: setup
+	$(ENV) $(BIN)/cartgrasp warm-up
 	$(ENV) $(BIN)/python -m pytest -n 2 --dist=worksteal
 
 # Commands, pages, studies and benchmarks have folders of their own.

@@ -3,6 +3,7 @@ counts would cost more than the arithmetic."""
 
 from __future__ import annotations
 
+import fcntl
 import zlib
 from collections.abc import Callable
 from pathlib import Path
@@ -45,9 +46,24 @@ def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
         function.__qualname__ = f"{function.__qualname__}_{name}"
         given: Any = {"pipeline_class": EntryCompiler, "no_cfunc_wrapper": True, **options}
         try:
-            ENTRIES.append(njit(function, cache=True, **given))
+            kernel = njit(function, cache=True, **given)
+            kernel.compile = _one_at_a_time(
+                kernel.compile, Path(kernel._cache.cache_path) / f"{function.__qualname__}.lock"
+            )
+            ENTRIES.append(kernel)
         except RuntimeError:  # no directory can be written to
             ENTRIES.append(njit(function, **given))
         return ENTRIES[-1]  # type: ignore[no-any-return]
 
     return entry
+
+
+def _one_at_a_time(compile_: Callable[..., Any], lock: Path) -> Callable[..., Any]:
+    """Compiling that waits for another process which compiles the same kernel, and then finds it in the cache."""
+
+    def compiled(*given: Any) -> Any:
+        with lock.open("w") as handle:
+            fcntl.flock(handle, fcntl.LOCK_EX)
+            return compile_(*given)
+
+    return compiled

@@ -4,6 +4,8 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from estimation import CartFilter
+
 from ..cart_file import save_cart
 from ..studies.run_figures import RunFigures
 from ..studies.shopping_cart import first_guess, loaded_cart, scenario
@@ -11,10 +13,12 @@ from .artefacts import save_run
 from .output import make_folder, print_json, print_table, progress, say
 from .run_tables import print_run
 from .taught import print_health
+from .warm_up import prepare
 
 
 def run(out: Path, as_json: bool, seed: int, quick: bool) -> int:
     make_folder(out)
+    prepare(CartFilter)
     with progress("pushing a loaded cart in MuJoCo") as tell:
         record = scenario(True, quick, seed).run(tell)
     with progress("again, with casters and rolling resistance left out of the model") as tell:

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+import subprocess
+import sys
+from collections.abc import Callable
 from importlib import import_module
+from threading import Thread
 from typing import Any
 
-from estimation import DisturbedFilter
+from estimation import CartFilter, DisturbedFilter, RegressorEstimator
 from planning import WrenchPlanner
 
 from ..arms import Arm
-from ..compile_notice import telling
+from ..compile_notice import compiling, telling
 from ..compiling import ENTRIES
 from ..inertia import Inertia
 from ..model import CartModel
@@ -19,6 +23,9 @@ from .output import KernelsTold, print_json
 OTHERS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "topple"})
 """Kernels for carts that have effects without kernels."""
 PLACES = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
+WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
+CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=WHEELS)
+HELP = f"from {__name__} import help_; help_()"
 
 
 def run(as_json: bool) -> int:
@@ -35,13 +42,29 @@ def run(as_json: bool) -> int:
     return 0
 
 
-def prepare() -> None:
-    """What online filters, planner and model call."""
-    wheels = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
-    cart = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=wheels)
+def prepare(kind: type[CartFilter] | type[DisturbedFilter] = DisturbedFilter) -> None:
+    """What a kind of filter, planner and model call; another process helps, which begins with other kernels."""
+    helper = subprocess.Popen([sys.executable, "-c", HELP], stdout=subprocess.PIPE, text=True)
+    listener = Thread(target=_tell_of, args=(helper, compiling))
+    listener.start()
     for places in (PLACES[:1], PLACES):
-        WrenchPlanner(cart, [Arm("hand", places)]).warm_up()
-    DisturbedFilter(cart).warm_up()
+        WrenchPlanner(CART, [Arm("hand", places)]).warm_up()
+    CART.dynamics.warm_up()
+    kind(CART).warm_up()
+    listener.join()
+
+
+def _tell_of(helper: subprocess.Popen[str], tell: Callable[[str], None]) -> None:
+    """Tells the kernels that a helper compiles."""
+    with helper:
+        for line in helper.stdout or ():
+            tell(line.strip())
+
+
+def help_() -> None:
+    """What the helper does: the filter's regression takes about as long as all else."""
+    with telling(lambda kernel: print(kernel, flush=True)):
+        RegressorEstimator(CART).warm_up()
 
 
 def asked_for() -> list[Any]:

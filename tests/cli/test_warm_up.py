@@ -76,3 +76,23 @@ def test_where_nobody_tells_the_log_does_once(caplog):
         compile_notice.compiling("drive")
         compile_notice.compiling("record")
     assert [record.getMessage() for record in caplog.records] == [compile_notice.ADVICE]
+
+
+def test_two_at_once_compile_each_kernel_once(tmp_path):
+    """Whoever comes second waits, and finds it."""
+    script = (
+        "import numpy as np\n"
+        "from cartgrasp.cli.warm_up import CART\n"
+        "from cartgrasp.compile_notice import telling\n"
+        "with telling(print):\n"
+        "    n, p = CART.dynamics.n_state, CART.dynamics.n_parameters\n"
+        "    CART.dynamics.memories((np.zeros((1, n)), np.zeros(1), np.ones((1, p))))\n"
+    )
+    environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
+    both = [
+        subprocess.Popen([sys.executable, "-c", script], stdout=subprocess.PIPE, text=True, env=environment)
+        for _ in range(2)
+    ]
+    told = [one.communicate()[0].split() for one in both]
+    assert [one.returncode for one in both] == [0, 0]
+    assert sorted(told, key=len) == [[], ["memories"]]
