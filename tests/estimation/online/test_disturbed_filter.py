@@ -224,6 +224,7 @@ def test_nothing_odd_gets_in():
         DisturbedFilter(CART, response=0.0)
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [1, 2])
 def test_a_load_too_small_to_be_seen_as_a_push_is_not_mixed_into_the_old_one(seed):
     """15 kg on 80 kg, of poses of 1 mm alone every 30 ms: it was sure of 87 kg for half a minute."""
@@ -245,6 +246,7 @@ def test_a_load_too_small_to_be_seen_as_a_push_is_not_mixed_into_the_old_one(see
 
 
 @pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [6444, 6447, 6448])
 def test_what_may_be_a_load_leaves_nothing_sure(seed):
     """Loads that look like a push, or another floor, for seconds: for a second at most a mass may be sure and wrong."""

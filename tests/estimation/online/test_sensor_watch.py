@@ -54,6 +54,7 @@ FAULTS = {
 }
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("every", [1, 5, 10])
 def test_slow_sensors_are_looked_at_too(every):
     """At 100, 20 and 10 Hz: at the last each sample brings a row of the regression."""

@@ -16,6 +16,7 @@ from .logs import CART, two_hands
 FREE = replace(CART, constraints=RollingConstraints(axle_x=None))
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", range(3))
 def test_fixed_wheels_that_a_file_lacks_are_told_with_the_line_to_add(seed):
     (told,) = check_sensors(two_hands(seed), FREE)

@@ -203,6 +203,7 @@ class Unsure:
 
 
 @pytest.mark.long
+@pytest.mark.some(2)
 @pytest.mark.parametrize("caution", [None, Caution()])
 @pytest.mark.parametrize("regrasp", [None, RegraspTimes()])
 def test_a_cart_is_braked_where_no_wrench_keeps_its_limits(caution, regrasp):

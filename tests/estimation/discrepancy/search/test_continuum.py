@@ -49,7 +49,7 @@ def with_law(model, period, *, harmonics=(1.0,)):
 
 def best_of(model):
     """Gain of the law that gains most, and that beside its neighbours, for as many as were tried."""
-    tried = [with_law(model, period) for period in np.arange(1.6, 2.0, 0.01)]
+    tried = [with_law(model, period) for period in np.arange(1.6, 2.0, 0.02)]
     gain, one, law = max(((worth(model.score, own.score, None), own, law) for own, law in tried), key=lambda it: it[0])
     return gain - np.log(len(tried)), beside_neighbours(one, law) - np.log(len(tried))
 
