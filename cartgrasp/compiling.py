@@ -10,6 +10,7 @@ from pathlib import Path
 from typing import Any, TypeVar
 
 from numba import njit
+from numba.core.compiler_lock import global_compiler_lock
 
 from . import kernel_compiler
 from .kernel_compiler import EntryCompiler, InnerCompiler
@@ -59,10 +60,11 @@ def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
 
 
 def _one_at_a_time(compile_: Callable[..., Any], lock: Path) -> Callable[..., Any]:
-    """Compiling that waits for another process which compiles the same kernel, and then finds it in the cache."""
+    """Compiling that waits for another process which compiles the same kernel, and then finds it in the cache. Numba's
+    own lock, of threads, comes first: two threads would wait for each other."""
 
     def compiled(*given: Any) -> Any:
-        with lock.open("w") as handle:
+        with global_compiler_lock, lock.open("w") as handle:
             fcntl.flock(handle, fcntl.LOCK_EX)
             return compile_(*given)
 

@@ -25,7 +25,7 @@ OTHERS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "top
 PLACES = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
 WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
 CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=WHEELS)
-HELP = f"from {__name__} import help_; help_()"
+HELP = f"from {__name__} import prepare_regression; prepare_regression()"
 
 
 def run(as_json: bool) -> int:
@@ -61,7 +61,7 @@ def _tell_of(helper: subprocess.Popen[str], tell: Callable[[str], None]) -> None
             tell(line.strip())
 
 
-def help_() -> None:
+def prepare_regression() -> None:
     """What the helper does: the filter's regression takes about as long as all else."""
     with telling(lambda kernel: print(kernel, flush=True)):
         RegressorEstimator(CART).warm_up()

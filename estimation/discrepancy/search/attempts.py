@@ -44,7 +44,7 @@ class Attempt:
         return min(one for one in (self.gain, self.beside_forms, self.beside_drift) if one is not None)
 
     def repeats(self, least: float) -> bool:
-        """Whether it does, rather than wander about a period, or has none."""
+        """Whether it gains enough beside noise that wanders about its period; so does what has none."""
         return self.beside_neighbours is None or self.beside_neighbours >= least
 
     @property
