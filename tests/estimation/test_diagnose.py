@@ -113,6 +113,14 @@ def test_what_no_vocabulary_has_is_a_law_of_what_it_follows(found):
     assert "wheel" in law["likely"]
 
 
+@pytest.mark.parametrize("case", ["floor_slope", "flat_spot"])
+def test_what_was_added_alone_closed_what_all_of_it_closes(found, case):
+    """The table and the sentence say one thing."""
+    (effect,), gap = found(case).effects, found(case).gap
+    closed = (gap.refitted**2 - gap.after**2) / (gap.refitted**2 - gap.noise_floor**2)
+    assert effect.gap_share == pytest.approx(min(closed, 1.0), abs=1e-9)
+
+
 def test_parameters_of_the_nominal_model_are_told_apart_from_effects(found):
     for case in ("nothing", "floor_slope", "flat_spot"):
         mass = found(case).parameter_mismatch["mass"]

@@ -39,6 +39,7 @@ from ..findings.verdicts import may_follow
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.attempts import Step
 from ..search.candidates import free_label
+from ..search.gains import added
 from ..search.laws import Law, row_values
 from ..search.model import Model
 from ..search.search_in_band import at_rest, searched
@@ -376,14 +377,16 @@ def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
 
 
 def _shares(steps: Sequence[Step], final: Model, gap: Gap) -> tuple[float, ...]:
-    """Share of the gap above the noise floor that each step closed; of logs at rest, nothing."""
+    """Share of the gap above the noise floor that each step closed; of logs at rest, nothing. What was added alone
+    closed what all of it closes."""
     if not any(len(starts(balances)) for balances in final.logs):
         return (0.0,) * len(steps)
     whole = max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
     found, before = [], gap.refitted**2
+    is_alone = sum(step.added is not None for step in steps) == 1 and bool(added(final) or final.laws)
     for step in steps:
         model = step.added.model if step.added is not None else None
-        told = model and replace(model, band_steps=final.band_steps)
+        told = final if model and is_alone else model and replace(model, band_steps=final.band_steps)
         after = before if told is None else float(held_out_rollouts(told).gaps()[1]) ** 2
         found.append(float(np.clip((before - after) / whole, 0.0, 1.0)))
         before = after
