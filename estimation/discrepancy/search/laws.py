@@ -3,7 +3,7 @@ or of a place, with few numbers. They are rivals of the effects in the same comp
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -108,7 +108,11 @@ class Law:
 
     def columns(self, balances: Balances, cart: CartModel) -> Array:
         """What a unit of each number takes away of the residual (k, c, q)."""
-        return np.concatenate([balances.columns(cart, effect) for effect in self.effects], axis=2) @ self.basis
+        return self.of_amplitudes(lambda effect: balances.columns(cart, effect))
+
+    def of_amplitudes(self, columns: Callable[[LearnedForce], Array]) -> Array:
+        """Columns (k, c, q) of the numbers, from those (k, c, a) of each force's amplitudes."""
+        return np.concatenate([columns(effect) for effect in self.effects], axis=2) @ self.basis
 
     def sized(self, numbers: ArrayLike) -> tuple[LearnedForce, ...]:
         """The forces of such numbers (q,)."""

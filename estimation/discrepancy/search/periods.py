@@ -167,10 +167,14 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: fl
     return found
 
 
-def harmonics_of(effect: LearnedForce, balances: Balances, cart: CartModel) -> Array:
-    """How much of the residual (k, c, a) a unit of each amplitude of a force that repeats takes away."""
-    found = waves(effect, np.array(effect.harmonics) / effect.period, balances, cart)
-    return -found.reshape(*found.shape[:2], -1)
+def coarse_columns(law: Law, balances: Balances, cart: CartModel) -> Array:
+    """`law.columns` (k, c, q) of one that is like a scan's, by sums along the motion as coarse as the scan's."""
+
+    def of_one(effect: LearnedForce) -> Array:
+        found = waves(effect, np.array(effect.harmonics) / effect.period, balances, cart)
+        return -found.reshape(*found.shape[:2], -1)
+
+    return law.of_amplitudes(of_one)
 
 
 Found = tuple[float, Scan, float, int]

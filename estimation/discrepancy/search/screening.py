@@ -14,14 +14,16 @@ from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 
+from ...weak_form.balances import Balances
 from ...weak_form.rows import wrench_covariance
 from ...weak_form.score import log_evidence
 from ...weak_form.wheel_tracks import wheel_tracks
 from .candidates import Family, amplitudes_of
 from .laws import Law, seen_values, smooth_laws
 from .model import Model
-from .periods import harmonics_of, is_like_a_scans, scanned
+from .periods import coarse_columns, is_like_a_scans, scanned
 
 KEPT = 3
 """Variants of a candidate whose score is worked out."""
@@ -233,27 +235,19 @@ class Screen:
         if law.period is None or not (highest := max(law.effects[0].harmonics)):
             return law
         width = NEARBY * law.period / (self._cycles(law) * highest)
-        of_law = self._of_waves if is_like_a_scans(law.effects[0]) else self.of_law
+        columns = coarse_columns if is_like_a_scans(law.effects[0]) else Law.columns
         best = minimize_scalar(
-            lambda period: -of_law(law.repeating(period)),
+            lambda period: -self.of_law(law.repeating(period), columns),
             bounds=(law.period - width, law.period + width),
             method="bounded",
             options={"xatol": EXACT * width},
         )
-        return law.repeating(float(best.x)) if -best.fun > of_law(law) else law
+        return law.repeating(float(best.x)) if -best.fun > self.of_law(law, columns) else law
 
-    def of_law(self, law: Law) -> float:
-        """Log of the Bayes factor of a law, about."""
-        columns = self.model.whitened([law.columns(b, self.model.cart) for b in self.model.logs])
-        return float(self.gains(columns[None], law.std)[0])
-
-    def _of_waves(self, law: Law) -> float:
-        """`of_law` of one that is like a scan's, by sums along the motion that are as coarse as the scan's."""
-        raw = [
-            np.concatenate([harmonics_of(effect, balances, self.model.cart) for effect in law.effects], axis=2)
-            for balances in self.model.logs
-        ]
-        return float(self.gains(self.model.whitened([own @ law.basis for own in raw])[None], law.std)[0])
+    def of_law(self, law: Law, columns: Callable[[Law, Balances, CartModel], Array] = Law.columns) -> float:
+        """Log of the Bayes factor of a law, about; by its columns, or as coarse ones."""
+        white = self.model.whitened([columns(law, balances, self.model.cart) for balances in self.model.logs])
+        return float(self.gains(white[None], law.std)[0])
 
     def _cycles(self, law: Law) -> float:
         """How often a law repeats in the longest log."""

@@ -103,8 +103,8 @@ def test_it_is_the_integral_over_the_noise_of_the_neighbours():
     assert beside_neighbours(model, law) == pytest.approx(expected, rel=0.03, abs=0.3)
 
 
-def test_where_no_neighbour_can_be_told_apart_the_line_counts():
-    """Harmonics of two turns in all leave no frequency between them."""
+def test_it_is_no_more_than_beside_white_noise():
+    """Of a harmonic without neighbours, too: those of two turns in all leave no frequency between them."""
     model, law = with_law(compared(line, 0, 12.0), 6.0, harmonics=(1.0, 2.0, 3.0, 4.0, 5.0, 6.0))
     (place,) = model.law_places
     fit, covariance = model.score.fit[place], model.score.covariance[place, place]
