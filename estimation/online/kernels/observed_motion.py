@@ -36,7 +36,7 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     surprised = surprised + 1 if square > SURPRISING else 0
     if surprised > 1:
         put(covariance, opened)
-        _open(c, surprised * MAX_STEP, opened)
+        _open(c, mean[3 + k :], surprised * MAX_STEP, opened)
         if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISING:
             put(opened, covariance)
             surprised, square = 1, 0.0
@@ -56,16 +56,18 @@ def _widen(covariance: Array, rows: Array, scale: float, R: Array) -> None:
 
 
 @compiled
-def _open(c: Constants, since: float, opened: Array) -> None:
-    """Adds to a covariance what a usual push may have done that set in at any moment of so many s: it has gone on for a
-    time of the moments since/2, since²/3 and, of the square, since⁴/5."""
+def _open(c: Constants, wrench: Array, since: float, opened: Array) -> None:
+    """Adds to a covariance what a usual push may have done that set in at any moment of so many s, in place of the
+    `wrench` (k,) that was believed, which may be over: it has gone on for a time of the moments since/2, since²/3 and,
+    of the square, since⁴/5."""
     k = len(c.walk)
     for a in range(k):
-        opened[3 + k + a, 3 + k + a] += c.usual[a]
-        across = c.usual[a] / c.inertias[a] * since / 2.0
+        change = c.usual[a] + wrench[a] ** 2
+        opened[3 + k + a, 3 + k + a] += change
+        across = change / c.inertias[a] * since / 2.0
         opened[3 + a, 3 + k + a] += across
         opened[3 + k + a, 3 + a] += across
-        rate = c.usual[a] / c.inertias[a] ** 2
+        rate = change / c.inertias[a] ** 2
         opened[3 + a, 3 + a] += rate * since**2 / 3.0
         linear, turning = c.project[a, 0] ** 2 + c.project[a, 1] ** 2, c.project[a, 2] ** 2
         moved = rate * since**4 / 20.0 / (linear + turning) ** 2

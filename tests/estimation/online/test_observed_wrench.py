@@ -6,7 +6,7 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
-from hypothesis import given, settings
+from hypothesis import event, given, settings
 from hypothesis import strategies as st
 
 import cartgrasp as cg
@@ -16,6 +16,7 @@ from cartgrasp.rigid_body import regressor_b
 from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian
 from estimation.online.disturbance.observer import USUAL_PUSH, DisturbanceObserver
+from estimation.online.kernels.correction import FLOOR
 from estimation.online.kernels.observed_motion import SURPRISING
 from estimation.online.kernels.observed_wrench import MAX_STEP
 from estimation.online.load_change import load_covariance
@@ -107,10 +108,19 @@ MISSING = st.sets(st.integers(0, 5))
 @pytest.mark.parametrize("surprised", [0, 1, 4])
 @pytest.mark.parametrize("kind", KINDS)
 @few
-@given(numbers=SMALL, off=vectors(6, -1.0, 1.0), size=st.sampled_from([0.1, 1.0, 10.0]), missing=MISSING)
-def test_seen(kind, surprised, numbers, off, size, missing):
+@given(
+    numbers=SMALL,
+    off=vectors(6, -1.0, 1.0),
+    size=st.sampled_from([0.1, 0.2, 1.0, 10.0]),
+    known=st.sampled_from([1.0, 1e-4]),
+    missing=MISSING,
+)
+def test_seen(kind, surprised, numbers, off, size, known, missing):
+    """`known` so well that what surprises may be a push, or one that is over."""
     of = observer(kind, "drags")
     seen = replace(drawn(of, numbers)[0], surprised=surprised)
+    seen = replace(seen, belief=Gaussian(seen.belief.mean, known * seen.belief.covariance))
+    off = np.append(np.sqrt(known) * off[:3], off[3:])
     k, mean, to_free = seen.k, seen.belief.mean, np.linalg.pinv(of.cart.basis_b) @ body_to_world(numbers[2]).T
     pose = mean[:3] + size * off[:3]
     velocity = np.linalg.pinv(to_free) @ (mean[3 : 3 + k] + size * off[3 : 3 + k])
@@ -121,19 +131,20 @@ def test_seen(kind, surprised, numbers, off, size, missing):
     R = 1e-12 * np.eye(3 + k)
     R[:3, :3] += NOISE.pose_covariance
     R[3:, 3:] += to_free @ NOISE.velocity_covariance @ to_free.T
-    known = np.isfinite(residual)
+    told = np.isfinite(residual)
     found = of.seen(seen, pose, velocity)
-    if not known.any():
+    if not told.any():
         assert found is seen
         return
-    H, R, residual, belief = np.eye(3 + k, 3 + 2 * k)[known], R[np.ix_(known, known)], residual[known], seen.belief
-    square = innovation(belief, residual, H, R).nis
+    H, R, residual, belief = np.eye(3 + k, 3 + 2 * k)[told], R[np.ix_(told, told)], residual[told], seen.belief
+    floor = FLOOR * np.eye(len(R))  # which kernels put under what they factorise
+    square = innovation(belief, residual, H, R + floor).nis
     if abs(square - SURPRISING) < 1e-6:
         return  # rounding decides
     now = surprised + 1 if square > SURPRISING else 0
     if now > 1:
         P, since = belief.covariance.copy(), now * MAX_STEP
-        usual = (USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 * np.eye(k)
+        usual = np.diag((USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
         moments = [[since**2 / 3, since / 2], [since / 2, 1.0]]  # of nu' for a while, and of d
         to_nu = np.diag(1.0 / of._inertias)
         lever = np.block([[to_nu, np.zeros((k, k))], [np.zeros((k, k)), np.eye(k)]])
@@ -143,8 +154,9 @@ def test_seen(kind, surprised, numbers, off, size, missing):
         squares = np.diagonal(to_nu @ usual @ to_nu) @ np.square(ways)
         P[np.arange(3), np.arange(3)] += since**4 / 20 * np.array([squares[0] + squares[1]] * 2 + [squares[2]])
         opened = Gaussian(belief.mean, P)
-        if innovation(opened, residual, H, R).nis <= SURPRISING:
+        if innovation(opened, residual, H, R + floor).nis <= SURPRISING:
             belief, now, square = opened, 1, 0.0
+            event("explained by a push")
     news = innovation(belief, residual, H, R)
     wider = max(1.0, square / SURPRISING)
     R = R + (wider - 1.0) * news.covariance
@@ -182,3 +194,19 @@ def test_squares(kind, what, numbers, is_told):
         expected.append(alone_by_mass)
     np.testing.assert_allclose(squares, [expected[0], expected[2], expected[3]], rtol=1e-5, atol=1e-9)
     np.testing.assert_allclose(covariance, known, rtol=1e-8, atol=1e-12)
+
+
+@given(push=st.floats(150.0, 400.0), sign=st.sampled_from([-1.0, 1.0]))
+@few
+def test_a_push_that_is_over_is_let_go_however_strong_it_was(push, sign):
+    """It is many deviations of what may set in, and the cart that it was believed to push stands still."""
+    of = observer("axle ahead", "drags")
+    memory = np.zeros(len(of.cart.memory_names))
+    seen = of.start(0.0, np.zeros(3))
+    covariance = np.diag([*np.diagonal(seen.belief.covariance)[:3], 1e-5, 1e-5, 36.0, 4.0])
+    seen = of.pushed(
+        replace(seen, belief=Gaussian(np.array([0, 0, 0, 0, 0, sign * push, 0]), covariance)), np.zeros(2), np.eye(2)
+    )
+    for i in range(1, 11):
+        seen = of.seen(of.advanced(seen, 0.01 * i, memory, of.cart.parameters), np.zeros(3), np.zeros(3))
+    assert np.abs(seen.wrench.mean[0]) < 3.0 * np.sqrt(seen.wrench.covariance[0, 0])
