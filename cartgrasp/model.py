@@ -154,7 +154,12 @@ class CartModel(CartStructure):
 
     def effect_wrench(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> Array:
         """Sum of the force effects on the cart, (..., 3), in {b}."""
-        return self.effect_parts(self._point(state, parameters, time))[2].value
+        return self.effect_values(state, parameters, time)[0]
+
+    def effect_values(self, state: Array, parameters: Array | None = None, time: Any = 0.0) -> tuple[Array, Array]:
+        """The sum of the force effects, (..., 3), in {b}, and the mass that swings, (...), without partials."""
+        point = self._point(state, parameters, time)
+        return self.dynamics.values(self.dynamics.sums(point, self._foreign(point)))
 
     def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts, Parts]:
         """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'

@@ -109,8 +109,7 @@ def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration
             memory = each[model.memory_slice]
             memory[:] = np.where(model.memory_is_seen, motion.memory, memory)
     reduced = model.required_wrench(state, acceleration, time=reference.time)
-    both = np.stack([state, feedforward]), reference.time, model.parameters
-    _, _, effects, _, swung = model.effect_parts(both)
-    drag = effects.value[0] - effects.value[1]
-    drag[0] += swung.value[0, 0] * (model.basis_b[0] @ acceleration)
+    effects, swung = model.effect_values(np.stack([state, feedforward]), time=reference.time)
+    drag = effects[0] - effects[1]
+    drag[0] += swung[0] * (model.basis_b[0] @ acceleration)
     return model.planar_wrench(reduced + drag @ model.basis_b)

@@ -18,9 +18,10 @@ from __future__ import annotations
 from dataclasses import dataclass
 from functools import lru_cache
 from statistics import NormalDist
-from typing import TYPE_CHECKING
+from typing import TYPE_CHECKING, NamedTuple
 
 import numpy as np
+from numpy.typing import NDArray
 
 from cartgrasp.checks import number
 from cartgrasp.errors import UsageError
@@ -113,35 +114,64 @@ def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:
 def _as_cones(rows: CartRows, slopes: Array, confidence: float, share: float) -> CartRows:
     """`(b - a F, share q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
     depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= NO_SLOPE)  # NaN is none of nought
-    low, high = (np.flatnonzero(depends & np.isfinite(side)) for side in (rows.low, rows.high))
-    n_sides, r = len(low) + len(high), slopes.shape[1]
+    which = depends.tobytes(), np.isfinite(rows.low).tobytes(), np.isfinite(rows.high).tobytes()
+    sides = _sides(which, (rows.low_names, rows.high_names), confidence, slopes.shape[1])
+    n_sides, left, free = len(sides.of), sides.left, sides.free
     if n_sides == 0:
         return rows
-    quantile = NormalDist().inv_cdf(1.0 - (1.0 - confidence) / n_sides)
-    of, sign = np.concatenate([low, high]), np.repeat([-1.0, 1.0], [len(low), len(high)])
-    cones = np.empty((n_sides, 1 + r, 7))
-    cones[:, 0, :6] = -sign[:, None] * rows.of_sum[of]
-    cones[:, 0, 6] = np.concatenate([-rows.low[low], rows.high[high]])
-    cones[:, 1:] = share * quantile * slopes[of]
-    left_low, left_high = (np.where(depends, free, side) for free, side in ((-np.inf, rows.low), (np.inf, rows.high)))
-    left = np.flatnonzero(np.isfinite(left_low) | np.isfinite(left_high))
-    names = tuple([rows.low_names[i] for i in low.tolist()] + [rows.high_names[i] for i in high.tolist()])
-    names, each = _cone_names(names, f" ({100 * confidence:g} %)", r)
-    free = np.full(n_sides * (1 + r), np.inf)
+    cones = np.empty((n_sides, 1 + slopes.shape[1], 7))
+    cones[:, 0, :6] = -sides.sign * rows.of_sum[sides.of]
+    cones[:, 0, 6] = np.concatenate([-rows.low, rows.high])[sides.among_both]
+    cones[:, 1:] = share * sides.quantile * slopes[sides.of]
     return CartRows(
         of_sum=np.concatenate([rows.of_sum[left], cones[:, :, :6].reshape(-1, 6)]),
         of_arm=np.zeros((len(rows.of_arm), len(left) + len(free), 6)),
-        low=np.concatenate([left_low[left], -free]),
-        high=np.concatenate([left_high[left], free]),
-        low_names=tuple([rows.low_names[i] for i in left.tolist()]) + each,
-        high_names=tuple([rows.high_names[i] for i in left.tolist()]) + each,
-        cone_names=names,
+        low=np.concatenate([np.where(depends, -np.inf, rows.low)[left], -free]),
+        high=np.concatenate([np.where(depends, np.inf, rows.high)[left], free]),
+        low_names=sides.low_names,
+        high_names=sides.high_names,
+        cone_names=sides.names,
         cone_offsets=cones[:, :, 6],
     )
 
 
+class _Sides(NamedTuple):
+    """Which rows (k,) have c sides that become cones: `of` (c,), with a sign (c, 1), and their places (c,) where the
+    low sides stand before the high ones; the q-quantile; which rows are `left`; no limits for the cones' rows; names.
+    """
+
+    of: NDArray[np.int64]
+    sign: Array
+    among_both: NDArray[np.int64]
+    quantile: float
+    left: NDArray[np.int64]
+    free: Array
+    names: tuple[str, ...]
+    low_names: tuple[str, ...]
+    high_names: tuple[str, ...]
+
+
 @lru_cache(maxsize=64)
-def _cone_names(names: tuple[str, ...], suffix: str, r: int) -> tuple[tuple[str, ...], tuple[str, ...]]:
-    """With what is added to them, and the same as names of 1 + r rows each."""
-    full = tuple(name + suffix for name in names)
-    return full, tuple(part for name in full for part in (name, *[""] * r))
+def _sides(
+    which: tuple[bytes, bytes, bytes], names: tuple[tuple[str, ...], tuple[str, ...]], confidence: float, r: int
+) -> _Sides:
+    """Often those of the tick before. `which`: rows that depend on the parameters, have a low limit, and a high one."""
+    depends, has_low, has_high = (np.frombuffer(part, dtype=bool) for part in which)
+    (low_names, high_names), k = names, len(depends)
+    low, high = (np.flatnonzero(depends & has) for has in (has_low, has_high))
+    left = np.flatnonzero(~depends & (has_low | has_high))
+    of, n_sides = np.concatenate([low, high]), len(low) + len(high)
+    suffix = f" ({100 * confidence:g} %)"
+    found = [low_names[i] + suffix for i in low.tolist()] + [high_names[i] + suffix for i in high.tolist()]
+    each = tuple(part for name in found for part in (name, *[""] * r))
+    return _Sides(
+        of=of,
+        sign=np.repeat([-1.0, 1.0], [len(low), len(high)])[:, None],
+        among_both=np.concatenate([low, k + high]),
+        quantile=NormalDist().inv_cdf(1.0 - (1.0 - confidence) / max(n_sides, 1)),
+        left=left,
+        free=np.full(n_sides * (1 + r), np.inf),
+        names=tuple(found),
+        low_names=tuple([low_names[i] for i in left.tolist()]) + each,
+        high_names=tuple([high_names[i] for i in left.tolist()]) + each,
+    )
