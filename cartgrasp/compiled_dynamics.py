@@ -120,7 +120,7 @@ class CompiledDynamics:
         return phi, by_parameters, felt, _of_rows(rate, k), swung
 
     def values(self, sums: Array) -> tuple[Array, Array]:
-        """Of sums: views of the wrench (..., 3) and of the mass that swings (...)."""
+        """Views of sums: the wrench (..., 3) and the mass that swings (...)."""
         width, first = MEMORY + self.n_memory + self.n_parameters, N_PHI * (1 + self.n_parameters)
         values = sums[..., first : first + N_WRENCH * width : width]
         return values[..., :SWUNG], values[..., SWUNG]
