@@ -6,7 +6,8 @@ import math
 from dataclasses import dataclass, replace
 
 HOLD_OFF = 1.5
-"""s after a reset in which a load is called changed, and nothing is reset again."""
+"""s after another load in which it is called changed, and none is looked for again. After a push, or what was not told
+apart, the next surprise is looked at at once."""
 MOST_RESETS, MEMORY = 3, 20.0
 """So many in so long (s), and it is the model that does not fit. That is said for a hold-off longer, in which it may
 show again: else a model that never fits would be called sound for a moment."""
@@ -32,7 +33,7 @@ class Resets:
 
     @property
     def are_allowed(self) -> bool:
-        return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self._is_recent
+        return sum(self.now - t < MEMORY for t in self.times) < MOST_RESETS and not self.has_new_load
 
     @property
     def are_too_many(self) -> bool:
@@ -43,7 +44,3 @@ class Resets:
     def has_new_load(self) -> bool:
         """Since a short while."""
         return self.now - self.load < HOLD_OFF
-
-    @property
-    def _is_recent(self) -> bool:
-        return bool(self.times) and self.now - self.times[-1] < HOLD_OFF

@@ -13,15 +13,18 @@ from .correction import factorise, put
 from .jit import Indices, row_compiled, row_entry
 from .matrices import congruence, inverse, product, solved, times, turned, without
 from .row_algebra import RATE, FilteredRow
-from .slope_noise import SlopeNoise, after_row, rid, told_by
+from .slope_noise import SlopeNoise, after_row, in_score, rid, told_by
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
-Surprised = tuple[float, Array, Array, Array, Array, Array]
-"""A row's normalised square, and what it says of a change: information's product (k - 1,) and information; what was not
-foretold, its covariance, and that if parameters were known."""
+Surprised = tuple[float, Array, Array, Array, Array, Array, Array, tuple[Array, Array, Array]]
+"""A row's normalised square, and what it says of a change: information's product (k - 1,), information, and how much of
+that is noise in slopes; what was not foretold, its covariance, and that if parameters were known; and these three with
+noise in slopes as it is, and noise of the motion as the belief's own masses make it."""
 Limits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
+ROUNDING = 1e-11
+"""Share of a covariance that is rounding."""
 LEAST_SHARE = 1e-9
 """Share of a row's noise that is taken as shared where nothing is."""
 
@@ -80,6 +83,8 @@ def absorbed(
     motion = RATE**2 * (row.after + row.fade**2 * link[:n, :n])
     foreseen = RATE * row.fade * mean[k : k + n].copy()
     found = rid(row, free, (motion, foreseen), spreads, value - times(before, mean))
+    more_noise = _by_own_masses(row, free, motion, mean[: k - 1] - _of_free(at, free))
+    in_own = value - times(before, mean), spreads[1] + more_noise, spreads[0] + more_noise
     for a in range(n):
         for j in range(k - 1):
             slopes[a, j] += found.slopes[a, j]
@@ -88,12 +93,15 @@ def absorbed(
     innovation, spread = value - times(before, mean), congruence(before, covariance) + own
     square = _square(innovation, spread)
     if not square < absurd * n:
-        nothing = square, np.zeros(k - 1), np.zeros((k - 1, k - 1)), innovation, spread, spreads[0]
+        none = np.zeros((k - 1, k - 1))
+        nothing = square, np.zeros(k - 1), none, none, innovation, spread, spreads[0], in_own
         return ((information, pull), in_slopes), nothing
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
-    asked = turned(solved(scale * spread, taught))
-    said = square, times(asked, innovation), product(asked, taught), innovation, spread, spreads[0]
+    asked, unit = turned(solved(scale * spread, taught)), np.eye(n)
+    bias, by_noise = in_score(row, free, found, solved(scale * spread, unit))
+    pulled = times(asked, innovation) + bias
+    said = square, pulled, product(asked, taught), by_noise, innovation, spread, spreads[0], in_own
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
@@ -102,49 +110,62 @@ def absorbed(
     weighed = turned(solved(scale * alone, wide))
     whole += product(weighed, wide)
     more += times(weighed, value)
+    bias, by_noise = in_score(row, free, found, solved(scale * spreads[0], unit))
     for j in range(k - 1):
-        more[j] += found.bias[j] / scale
+        more[j] += bias[j]
         for i in range(k - 1):
-            more[j] -= found.information[j, i] * at[free[i]] / scale
+            more[j] -= by_noise[j, i] * at[free[i]]
     left = without(whole, more, k, k + 2 * n)
-    return (left, after_row(in_slopes, found.information / scale, kept)), said
+    return (left, after_row(in_slopes, by_noise, kept)), said
+
+
+@row_compiled
+def _by_own_masses(row: FilteredRow, free: Indices, motion: Array, change: Array) -> Array:
+    """How much more noise (n, n) a row has, of which B[nu'] has the covariance `motion` (n, n), with the free
+    parameters changed by so much."""
+    masses, own = row.ends / -RATE, row.ends / -RATE
+    for q in range(len(free)):
+        own += change[q] * row.by_rise[:, :, free[q]]
+    return congruence(own, motion) - congruence(masses, motion)
+
+
+@row_compiled
+def _of_free(theta: Array, free: Indices) -> Array:
+    found = np.empty(len(free))
+    for q in range(len(free)):
+        found[q] = theta[free[q]]
+    return found
 
 
 @row_entry
-def evidence(since: Belief, root: Array) -> float:
-    """The log evidence of a load of covariance `root @ rootᵀ`, root (f, m), that came at the most likely of n
-    moments."""
-    information, pulls = since
-    f, m = 0, root.shape[1]
-    for a in range(len(root)):
-        for j in range(m):
-            f = a + 1 if root[a, j] != 0.0 else f
-    through, factor, pulled, best = np.empty((f, m)), np.empty((m, m)), np.empty(m), -math.inf
-    for i in range(len(pulls)):
-        for a in range(f):
-            for j in range(m):
-                through[a, j] = 0.0
-                for b in range(f):
-                    through[a, j] += information[i, a, b] * root[b, j]
-        gain = size = 0.0
-        for j in range(m):
-            value = 0.0
-            for a in range(f):
-                value += root[a, j] * pulls[i, a]
-            for c in range(j + 1):
-                entry = 1.0 if c == j else 0.0
-                for a in range(f):
-                    entry += root[a, j] * through[a, c]
-                for b in range(c):
-                    entry -= factor[j, b] * factor[c, b]
-                factor[j, c] = entry / factor[c, c] if c < j else math.sqrt(entry)
-            for c in range(j):
-                value -= factor[j, c] * pulled[c]
-            pulled[j] = value / factor[j, j]
-            gain += pulled[j] ** 2
-            size += 2.0 * math.log(factor[j, j])
-        best = max(best, (gain - size) / 2.0)
+def evidence(since: tuple[Array, Array, Array], root: Array) -> float:
+    """The log evidence of a load of covariance `root @ rootᵀ`, root (f, m), that came at the most likely of n moments,
+    since each of which there is a score u (n, f). It varies by the information S (n, f, f), of which noise in slopes
+    makes N (n, f, f), and a change moves it by `S - N`: `log N(u; 0, S + (S - N) P (S - N)) - log N(u; 0, S)`."""
+    information, by_noise, scores = since
+    best = -math.inf
+    for i in range(len(scores)):
+        asked, noise = congruence(turned(root), information[i]), congruence(turned(root), by_noise[i])
+        varies, moves = asked + noise, asked - noise
+        score = times(turned(root), scores[i])
+        least = ROUNDING * np.trace(varies)
+        for a in range(len(score)):
+            varies[a, a] += least
+        best = max(best, _log_density(score, varies + product(moves, moves)) - _log_density(score, varies))
     return best
+
+
+@row_compiled
+def _log_density(value: Array, covariance: Array) -> float:
+    """Of a normal value, but for a constant."""
+    factor, white, found = covariance.copy(), value.copy(), 0.0
+    factorise(factor, len(factor))
+    for a in range(len(white)):
+        for b in range(a):
+            white[a] -= factor[a, b] * white[b]
+        white[a] /= factor[a, a]
+        found -= 0.5 * white[a] ** 2 + math.log(factor[a, a])
+    return found
 
 
 @row_compiled

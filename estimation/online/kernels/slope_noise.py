@@ -45,12 +45,12 @@ class SlopeNoise(NamedTuple):
 
 
 class Rid(NamedTuple):
-    """What is added to a row's slopes (n, k - 1), the bias (k - 1,) that its score has then, to be added, too, and what
-    noise that is left in them adds to the information (k - 1, k - 1)."""
+    """What is added to a row's slopes (n, k - 1); the covariance (n, n) of the noise that is `left` in B[nu'] then, and
+    how it goes with the innovation, `across` (n, n)."""
 
     slopes: Array
-    bias: Array
-    information: Array
+    left: Array
+    across: Array
 
 
 @row_compiled
@@ -77,22 +77,29 @@ def rid(
     by_wrench = product(covariance, turned(row.ends)) / -RATE
     gain = turned(solved(spread + row.quieter, turned(by_wrench)))
     taken = foreseen + times(gain, innovation)
-    across = product(gain, turned(by_wrench))
-    left = covariance - across - turned(across) + congruence(gain, usual)
-    weight = solved(alone, np.eye(len(alone)))
-    uneven = product(weight, turned(by_wrench) - product(usual, turned(gain)))
-    n, m = len(innovation), len(free)
-    found = Rid(np.zeros((n, m)), np.zeros(m), np.zeros((m, m)))
+    crossed = product(gain, turned(by_wrench))
+    left = covariance - crossed - turned(crossed) + congruence(gain, usual)
+    found = Rid(np.zeros((len(innovation), len(free))), left, turned(by_wrench) - product(usual, turned(gain)))
+    for q in range(len(free)):
+        found.slopes[:, q] = times(row.by_rise[:, :, free[q]].copy(), taken)
+    return found
+
+
+@row_compiled
+def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tuple[Array, Array]:
+    """What noise that is left in slopes does to the score `s W r` of a weight (n, n): what is to be added to it
+    (k - 1,), and the information (k - 1, k - 1) that it makes."""
+    n, m = len(weight), len(free)
+    uneven, bias, information = product(weight, found.across), np.zeros(m), np.zeros((m, m))
     noisy, weighed = np.zeros((m, n, n)), np.zeros((m, n, n))
     for q in range(m):
         by = row.by_rise[:, :, free[q]].copy()
-        noisy[q] = product(by, left)
+        noisy[q] = product(by, found.left)
         weighed[q] = product(weight, by)
-        found.slopes[:, q] = times(by, taken)
-        found.bias[q] = (uneven * by).sum()
+        bias[q] = (uneven * by).sum()
         for i in range(q + 1):
-            found.information[q, i] = found.information[i, q] = (noisy[i] * weighed[q]).sum()
-    return found
+            information[q, i] = information[i, q] = (noisy[i] * weighed[q]).sum()
+    return bias, information
 
 
 @row_compiled

@@ -45,8 +45,7 @@ class LoadWatch:
         self._n = n
         self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
         self._squares: tuple[float, ...] = ()
-        self._since = np.zeros((0, free, free)), np.zeros((0, free))
-        self._free = free
+        self._since, self._free = _nothing(free), free
         self._seen = 0
         self._resets = Resets()
         self._outliers = 0.0
@@ -60,7 +59,7 @@ class LoadWatch:
         """Whether a load has to be thought of now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
         self.follow(time, innovation)
-        self._since = _followed(self._since, (innovation.information, innovation.pull))
+        self._since = _followed(self._since, (innovation.information, innovation.by_noise, innovation.pull))
         self._seen += 1
         self._squares = (*self._squares, min(innovation.square, GATE * self._n))[-ROWS:]
         may = self._seen >= SETTLING_ROWS and self._resets.are_allowed and self._fits
@@ -78,7 +77,7 @@ class LoadWatch:
     def _begin_anew(self) -> None:
         self._white = self._white.interrupted()
         self._squares = ()
-        self._since = np.zeros((0, self._free, self._free)), np.zeros((0, self._free))
+        self._since = _nothing(self._free)
 
     def settle(self, time: float, trial: Trial) -> None:
         """How far a load that was thought of is told. Whatever surprised speaks against the model, but for another
@@ -133,11 +132,18 @@ class LoadWatch:
             self._say()
 
 
-def _followed(since: tuple[Array, Array], more: tuple[Array, Array]) -> tuple[Array, Array]:
-    """Information (n, f, f), and its product with a change (n, f), since each of the last moments, with those of a row,
-    which is one moment more."""
-    known, pulled = (
+Since = tuple[Array, Array, Array]
+"""Since each of the last n moments: information (n, f, f), that by noise (n, f, f), and the score (n, f)."""
+
+
+def _nothing(free: int) -> Since:
+    return np.zeros((0, free, free)), np.zeros((0, free, free)), np.zeros((0, free))
+
+
+def _followed(since: Since, more: Since) -> Since:
+    """With those of a row, which is one moment more."""
+    information, by_noise, score = (
         np.concatenate([old[1 - STARTS :], np.zeros((1, *new.shape))]) + new
         for old, new in zip(since, more, strict=True)
     )
-    return known, pulled
+    return information, by_noise, score

@@ -38,20 +38,33 @@ ABSURD = 1e6
 class Innovation(NamedTuple):
     """The innovation of a row, of a `value` (n,) with its covariance, and its normalised square; `of_known` (n, n) is
     the covariance if parameters were known, of which white noise of wrenches makes `of_wrenches` (n, n). What it says
-    of a change of the free parameters (f,) since before it is information (f, f) and its product with the change."""
+    of a change of the free parameters (f,) since before it is a score (f,), which varies by the information (f, f), and
+    which the change moves by as much without what noise in slopes makes of that, `by_noise` (f, f).
+
+    `in_own` is the value (n,) with noise in its slopes as it is, its covariance and that if parameters were known, with
+    noise of the motion as the belief's own masses make it."""
 
     square: float
     pull: Array
     information: Array
+    by_noise: Array
     value: Array
     covariance: Array
     of_known: Array
+    in_own: tuple[Array, Array, Array]
     of_wrenches: Array
 
     def log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
         """The log-likelihood but for a constant, with something of this mean (n,) and covariance (n, n) beside. Beyond
         the gate, the noise is widened to it."""
         return float(log_likelihood(self.value - mean, self.covariance + more))
+
+    def quasi_log_likelihood(self, mean: Array | float = 0.0, more: Array | float = 0.0) -> float:
+        """The same to compare beliefs of different masses by. What noise of the motion does to a row goes with the
+        mass, so that likelihoods are larger of less of it, while what noise alone makes tells nothing of it. With the
+        noise of the belief's own mass, and its determinant left out, the square's expectation is the same of all."""
+        spread = self.in_own[1] + more
+        return float(log_likelihood(self.in_own[0] - mean, spread) + 0.5 * np.linalg.slogdet(self.in_own[2])[1])
 
     def log_likelihoods(self, more: Array) -> Array:
         """The same with something of each covariance (g, n, n) beside."""

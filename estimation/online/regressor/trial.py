@@ -56,13 +56,14 @@ class Pushed(NamedTuple):
         belief, gain = self.belief.copy(), 1.0 - row.fade
         innovation = belief.update(row, at)
         mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
-        without, beside = innovation.log_likelihood(), innovation.log_likelihood(gain * mean, gain**2 * covariance)
+        without = innovation.quasi_log_likelihood()
+        beside = innovation.quasi_log_likelihood(gain * mean, gain**2 * covariance)
         if without >= beside:
             return self._replace(belief=belief, rows=self.rows + 1), without, innovation
         belief = self.belief.copy()
         belief.drop_link()
         gained = self.evidence + beside - without
-        return Pushed(belief, innovation.value / gain, 0, gained), beside, innovation
+        return Pushed(belief, innovation.in_own[0] / gain, 0, gained), beside, innovation
 
 
 class Changed(NamedTuple):
@@ -76,7 +77,7 @@ class Changed(NamedTuple):
         """The belief after a row, which has the log-likelihood `of_push` under a push, and the row's innovation."""
         belief = self.belief.copy()
         innovation = belief.update(row, at)
-        return self._replace(belief=belief, odds=self.odds + innovation.log_likelihood() - of_push), innovation
+        return self._replace(belief=belief, odds=self.odds + innovation.quasi_log_likelihood() - of_push), innovation
 
     def without_link(self) -> Changed:
         """The belief after a row that tells nothing of the change."""

@@ -18,7 +18,9 @@ ELSE = np.array([[0.02, 0.001], [0.001, 0.004]])
 
 def innovation(value, density=HIGH**2):
     spread = ELSE + density * ONE
-    return Innovation(0.0, np.zeros(0), np.zeros((0, 0)), value, spread, spread, 0.0 * ONE)
+    return Innovation(
+        0.0, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), value, spread, spread, (value, spread, spread), 0.0 * ONE
+    )
 
 
 @settings(max_examples=30, deadline=None)

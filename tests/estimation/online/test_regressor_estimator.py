@@ -364,7 +364,13 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
         slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
         rows.append((slopes, news, spread))
         asked = np.linalg.solve(spread, slopes).T
-        watch.note(0.0, Innovation(1.0, asked @ news, asked @ slopes, news, spread, spread, spread), root_of(load))
+        watch.note(
+            0.0,
+            Innovation(
+                1.0, asked @ news, asked @ slopes, np.zeros((3, 3)), *(own := (news, spread, spread)), own, spread
+            ),
+            root_of(load),
+        )
     ratios = []
     for first in range(5):
         slopes, news, spreads = (list(part) for part in zip(*rows[first:], strict=True))

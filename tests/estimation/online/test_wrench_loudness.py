@@ -30,7 +30,11 @@ def told(rows):
     loudness = WrenchLoudness()
     for row in rows:
         spread = ELSE + loudness.usual * WHITE
-        loudness = loudness.after(Innovation(0.0, np.zeros(0), np.zeros((0, 0)), row, 4.0 * spread, spread, WHITE))
+        loudness = loudness.after(
+            Innovation(
+                0.0, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), *(own := (row, 4.0 * spread, spread)), own, WHITE
+            )
+        )
     return loudness.usual
 
 
@@ -68,9 +72,19 @@ def test_a_second_of_outliers_in_half_a_minute_is_no_noise(seed, size):
 def test_rows_beyond_numbers_tell_nothing(value, spread):
     """A singular one among them."""
     loudness, known = WrenchLoudness(), ELSE + WHITE
-    sound = Innovation(0.0, np.zeros(0), np.zeros((0, 0)), np.zeros(2), known, known, WHITE)
+    sound = Innovation(
+        0.0, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), *(own := (np.zeros(2), known, known)), own, WHITE
+    )
     full = np.full((2, 2), spread)
-    strange = Innovation(np.nan, np.zeros(0), np.zeros((0, 0)), np.array([value, 0.1]), full, full, full)
+    strange = Innovation(
+        np.nan,
+        np.zeros(0),
+        np.zeros((0, 0)),
+        np.zeros((0, 0)),
+        *(own := (np.array([value, 0.1]), full, full)),
+        own,
+        full,
+    )
     with np.errstate(all="ignore"):
         for row in 4 * [sound] + 4 * [strange] + 4 * [sound]:
             loudness = loudness.after(row)
