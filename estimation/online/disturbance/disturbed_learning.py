@@ -35,6 +35,8 @@ from ...health import Health
 from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
 from ..given import Given
+from ..kernels.felt_wrench import HELD
+from ..kernels.sensor_health import TIME_OUT
 from ..measured_motion import usable
 from ..regressor.wrench_loudness import WrenchLoudness
 from ..wrench_sensing import Moving, WrenchSensing
@@ -72,6 +74,7 @@ class DisturbedLearning:
         self._observed: tuple[Observed, Observed] | None = None  # and by the quicker one
         self._disturbance: Disturbance | None = None
         self._is_sure, self._is_total_known = False, True
+        self._felt = math.inf  # s: when all arms' wrenches were known last
         self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
         self.time = -math.inf
 
@@ -111,11 +114,15 @@ class DisturbedLearning:
         assert told is not None  # a sample has come
         if observed is None or disturbance is None:
             return told
-        is_kept_back = told.health == Health.NO_WRENCH and disturbance.acts
+        health, is_silent = told.health, self.time - self._felt > TIME_OUT
+        if health == Health.NO_WRENCH and disturbance.acts:
+            health = Health.OUTLIERS  # wrenches are there, and kept back
+        elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
+            health = Health.NO_WRENCH
         return self._doubted(told)._replace(
             time=observed[0].time,
             motion=observed[0].motion(told.motion.memory),
-            health=Health.OUTLIERS if is_kept_back else told.health,
+            health=health,
             disturbance=disturbance,
         )
 
@@ -192,21 +199,25 @@ class DisturbedLearning:
             now = observer.advanced(was, measurement.time, memory, theta)
             observed.append(observer.seen(now, pose, velocity) if moves else now)
         self._sensing.note_contacts(measurement)
+        sensed, was_known = None, self._is_total_known
         if measurement.wrenches:
-            sensed = self._sensing.sense(measurement, theta, Moving(observed[0].state(memory), measurement.time))
-            was_known, self._is_total_known = self._is_total_known, sensed is not None
-            if sensed is not None:
-                observed = [one if was_known else self._observer.forgotten(one) for one in observed]
-                observed = [self._observer.pushed(one, sensed.value, sensed.covariance) for one in observed]
+            moving = Moving(observed[0].state(memory), measurement.time)
+            sensed = self._sensing.sense(measurement, theta, moving)
+        if sensed is not None:
+            self._felt, self._is_total_known = measurement.time, True
+            observed = [one if was_known else self._observer.forgotten(one) for one in observed]
+            observed = [self._observer.pushed(one, sensed.value, sensed.covariance) for one in observed]
+        elif measurement.wrenches or measurement.time - self._felt > HELD:
+            self._is_total_known = False
         self._observed = observed[0], observed[1]
         if self._disturbance is None or moves:
             self._conclude(observed[0], observed[1].wrench, told, memory)
 
     def _conclude(self, observed: Observed, ahead: Gaussian, told: Estimate, memory: Array) -> None:
-        """Whether the disturbance acts, which is told as it is `ahead`, where all arms tell what they give. It does for
-        sure where no usual load would look like it, and goes on to until a load that rolls on could; else where no load
-        would by its inertia. A load does not turn nu' round: it explains the part that wrenches alone would make, and
-        that is there."""
+        """Whether the disturbance acts, which is told as it is `ahead`; nobody knows where not all arms tell what they
+        give. It does for sure where no usual load would look like it, and goes on to until a load that rolls on could;
+        else where no load would by its inertia. A load does not turn nu' round: it explains the part that wrenches
+        alone would make, and that is there."""
         time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
         unknown = self._careful.learner.covariance
         squares, known = self._observer.squares(observed, memory, told.model_parameters, unknown)
@@ -216,5 +227,8 @@ class DisturbedLearning:
         acts = self._is_total_known and (self._is_sure or rigid > (stays if was else begins))
         if acts:
             self._since, self._until = (self._since if was else time), time
+        if not self._is_total_known:
+            self._disturbance = self._observer.unknown
+            return
         known = known + ahead.covariance - observed.wrench.covariance
         self._disturbance = Disturbance(ahead.mean, known, acts)

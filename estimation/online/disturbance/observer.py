@@ -6,8 +6,9 @@ whose velocity is measured with density r, the filter is an observer with the po
     w² = walk / (m √r),    d's variance √2 m² w³ r,    answer to a step 1 - √2 exp(-w t/√2) sin(w t/√2 + π/4),
 
 which stays within 5 % from `w t = 2.93` on. So the walk follows from how quick the answer shall be; poses make it a
-little quicker. Surprising samples in a row that a usual push could have made, since the first of them, are no outliers,
-but one that sets in: then d may be any such, and is known as soon as the noise of the sensors allows.
+little quicker. Surprising samples in a row that a push could have made, since before the first of them, are no
+outliers, but one that sets in, or is over: then d may be any such, and is known as soon as the noise of the sensors
+allows.
 """
 
 from __future__ import annotations
@@ -21,7 +22,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Motion
+from cartgrasp.motion import Disturbance, Motion
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
@@ -43,13 +44,14 @@ USUAL_PERIOD = 0.01
 @dataclass(frozen=True, eq=False)
 class Observed:
     """Belief of pose, nu and d (3 + 2 k,) at `time` (s); the reduced wrench `given` (k,) from then on with the
-    covariance of its noise; and how many samples in a row have surprised."""
+    covariance of its noise; how many samples in a row have surprised, and the time of the last one that did not."""
 
     time: float
     belief: Gaussian
     given: Array
     given_noise: Array
     surprised: int = 0
+    calm: float = -math.inf
 
     @property
     def k(self) -> int:
@@ -85,7 +87,9 @@ class DisturbanceObserver:
         k = self.cart.constraints.n_free
         mean, variances = first_motion(self.cart, self.noise, pose)
         covariance = np.diag(np.concatenate([variances[: 3 + k], self._usual]))
-        return Observed(time, Gaussian(np.append(mean[: 3 + k], np.zeros(k)), covariance), np.zeros(k), np.eye(k))
+        return Observed(
+            time, Gaussian(np.append(mean[: 3 + k], np.zeros(k)), covariance), np.zeros(k), np.eye(k), calm=time
+        )
 
     def pushed(self, observed: Observed, wrench: Array, noise: Array) -> Observed:
         """The observed state, pushed by this reduced wrench (k,) of the arms from now on."""
@@ -96,7 +100,7 @@ class DisturbanceObserver:
         mean, covariance, own = observed.belief.mean.copy(), observed.belief.covariance.copy(), 3 + observed.k
         mean[own:] = covariance[own:] = covariance[:, own:] = 0.0
         covariance[own:, own:] = np.diag(self._usual)
-        return replace(observed, belief=Gaussian(mean, covariance), surprised=0)
+        return replace(observed, belief=Gaussian(mean, covariance), surprised=0, calm=observed.time)
 
     def advanced(self, observed: Observed, time: float, memory: Array, theta: Array) -> Observed:
         """The observed state at a later time (s), with what effects remember and parameters (p,) as they are believed
@@ -118,8 +122,13 @@ class DisturbanceObserver:
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
         """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
         belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
-        surprised = observed_motion.see(self._constants, belief, pose, velocity, observed.surprised, self._room)
-        return observed if surprised < 0 else replace(observed, belief=Gaussian(*belief), surprised=surprised)
+        surprises = observed.surprised, min(observed.time - observed.calm, LOST_AFTER)
+        now = observed_motion.see(self._constants, belief, pose, velocity, surprises, self._room)
+        if now < 0:
+            return observed
+        goes_on = now > 1 or (now == 1 and observed.surprised == 0)
+        calm = observed.calm if goes_on else observed.time
+        return replace(observed, belief=Gaussian(*belief), surprised=now, calm=calm)
 
     def squares(
         self, observed: Observed, memory: Array, theta: Array, unknown: Array | None
@@ -136,6 +145,11 @@ class DisturbanceObserver:
         belief, dynamics = (observed.belief.mean, observed.belief.covariance), cart.dynamics
         blocks = dynamics.floats, dynamics.ints, self._constants
         return kernels.squares(*blocks, belief, observed.given, known, (rates, found), self._room), found
+
+    @property
+    def unknown(self) -> Disturbance:
+        """What is told of d where nobody knows what the arms do."""
+        return Disturbance(np.zeros(len(self._usual)), np.diag(self._usual), False)
 
     @property
     def deviation(self) -> float:

@@ -17,12 +17,19 @@ SURPRISING = 20.5
 """Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
 in a thousand times."""
 FARTHEST = 1e9
+MOST_DOUBLED = 5
+"""Times at most that the push which may have set in is taken to be twice as strong."""
 
 
 @entry
-def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, surprised: int, room: Array) -> int:
-    """Takes in a pose (3,) and a velocity (3,) in {s}, NaN where they are missing; returns how many samples in a row
-    have surprised by now, beginning anew with one that a push explains, or -1 where nothing is there."""
+def see(
+    c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, surprises: tuple[int, float], room: Array
+) -> int:
+    """Takes in a pose (3,) and a velocity (3,) in {s}, NaN where they are missing; `surprises` are how many samples in
+    a row have surprised before, and since when (s ago) they may have. Returns how many have by now, beginning anew with
+    one that a push explains, or -1 where nothing is there. Each one more that the push does not explain speaks for one
+    that is twice as strong."""
+    surprised, since = surprises
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
     residual, room = room[:most], room[most:]
@@ -36,7 +43,8 @@ def see(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array,
     surprised = surprised + 1 if square > SURPRISING else 0
     if surprised > 1:
         put(covariance, opened)
-        _open(c, mean[3 + k :], surprised * MAX_STEP, opened)
+        stronger = 2.0 ** min(surprised - 2, MOST_DOUBLED)
+        _open(c, (mean[3 + k :], stronger), max(surprised * MAX_STEP, since), opened)
         if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISING:
             put(opened, covariance)
             surprised, square = 1, 0.0
@@ -56,13 +64,13 @@ def _widen(covariance: Array, rows: Array, scale: float, R: Array) -> None:
 
 
 @compiled
-def _open(c: Constants, wrench: Array, since: float, opened: Array) -> None:
-    """Adds to a covariance what a usual push may have done that set in at any moment of so many s, in place of the
-    `wrench` (k,) that was believed, which may be over: it has gone on for a time of the moments since/2, since²/3 and,
-    of the square, since⁴/5."""
-    k = len(c.walk)
+def _open(c: Constants, push: tuple[Array, float], since: float, opened: Array) -> None:
+    """Adds to a covariance what a push, so many times as strong as a usual one, may have done that set in at any moment
+    of so many s, in place of the wrench (k,) that was believed, which may be over: it has gone on for a time of the
+    moments since/2, since²/3 and, of the square, since⁴/5."""
+    k, (wrench, stronger) = len(c.walk), push
     for a in range(k):
-        change = c.usual[a] + wrench[a] ** 2
+        change = stronger**2 * c.usual[a] + wrench[a] ** 2
         opened[3 + k + a, 3 + k + a] += change
         across = change / c.inertias[a] * since / 2.0
         opened[3 + a, 3 + k + a] += across

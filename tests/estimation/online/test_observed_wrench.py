@@ -105,7 +105,7 @@ def test_advanced(kind, what, numbers, gap):
 MISSING = st.sets(st.integers(0, 5))
 
 
-@pytest.mark.parametrize("surprised", [0, 1, 4])
+@pytest.mark.parametrize("surprised", [0, 1, 4, 12])
 @pytest.mark.parametrize("kind", KINDS)
 @few
 @given(
@@ -114,11 +114,13 @@ MISSING = st.sets(st.integers(0, 5))
     size=st.sampled_from([0.1, 0.2, 1.0, 10.0]),
     known=st.sampled_from([1.0, 1e-4]),
     missing=MISSING,
+    ago=st.sampled_from([0.01, 0.2]),
 )
-def test_seen(kind, surprised, numbers, off, size, known, missing):
-    """`known` so well that what surprises may be a push, or one that is over."""
+def test_seen(kind, surprised, numbers, off, size, known, missing, ago):
+    """`known` so well that what surprises may be a push, or one that is over; the last calm sample was so long ago."""
     of = observer(kind, "drags")
-    seen = replace(drawn(of, numbers)[0], surprised=surprised)
+    seen = drawn(of, numbers)[0]
+    seen = replace(seen, surprised=surprised, calm=seen.time - ago)
     seen = replace(seen, belief=Gaussian(seen.belief.mean, known * seen.belief.covariance))
     off = np.append(np.sqrt(known) * off[:3], off[3:])
     k, mean, to_free = seen.k, seen.belief.mean, np.linalg.pinv(of.cart.basis_b) @ body_to_world(numbers[2]).T
@@ -143,8 +145,8 @@ def test_seen(kind, surprised, numbers, off, size, known, missing):
         return  # rounding decides
     now = surprised + 1 if square > SURPRISING else 0
     if now > 1:
-        P, since = belief.covariance.copy(), now * MAX_STEP
-        usual = np.diag((USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
+        P, since, stronger = belief.covariance.copy(), max(now * MAX_STEP, ago), 2.0 ** min(now - 2, 5)
+        usual = np.diag((stronger * USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
         moments = [[since**2 / 3, since / 2], [since / 2, 1.0]]  # of nu' for a while, and of d
         to_nu = np.diag(1.0 / of._inertias)
         lever = np.block([[to_nu, np.zeros((k, k))], [np.zeros((k, k)), np.eye(k)]])
@@ -163,6 +165,8 @@ def test_seen(kind, surprised, numbers, off, size, known, missing):
     expected = updated(belief, innovation(belief, residual, H, R), H, R)
     scale = np.abs(expected.covariance).max()
     assert found.surprised == now
+    goes_on = now > 1 or (now == 1 and surprised == 0)
+    assert found.calm == (seen.calm if goes_on else seen.time)
     np.testing.assert_allclose(found.belief.mean, expected.mean, rtol=1e-6, atol=1e-7)
     np.testing.assert_allclose(found.belief.covariance, expected.covariance, rtol=1e-5, atol=1e-8 * scale)
 
