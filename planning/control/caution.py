@@ -15,6 +15,8 @@ from cartgrasp.roles import ReferencePath
 from ..plan import USABLE
 
 QUICKEST, WIDEST = 100.0, 100.0
+AWAY = 0.3
+"""s between two steps, if not of such a period, from which on nobody drove the cart meanwhile."""
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
 
@@ -28,7 +30,8 @@ class Caution:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
-        behind: m from where the cart is to be, from which on the reference waits for it.
+        behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
+            path no waiting helps: wheels that don't slip get back to it by going on.
 
     Raises:
         UsageError: A number is out of bounds.
@@ -60,7 +63,7 @@ class Caution:
 
     def wanted(self, health: str, status: str, away: float) -> tuple[float, str]:
         """The share of its speed at which the reference is to go on, and why not at all of it; `status` is the last
-        plan's, `away` how far (m) the cart is from where it was to be."""
+        plan's, `away` how far (m) along the path the cart is from where it was to be."""
         share = self.pace.get(health, 1.0)
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: health {health}")]
         if status not in USABLE:
@@ -85,10 +88,12 @@ class Pace:
     share: float = 1.0
     rate: float = 0.0
 
-    def after(self, duration: float, wanted: float, change: float) -> Pace:
-        """So many s later, the share being wanted so."""
+    def after(self, duration: float, wanted: float, change: float, longest: float = AWAY) -> Pace:
+        """So many s later, the share being wanted so. After a pause, `longest` s and more, it goes on from rest."""
         if duration <= 0:
             return replace(self, rate=0.0)
+        if duration > longest:
+            return Pace(self.along, 0.0)
         share = self.share + float(np.clip(wanted - self.share, -change * duration, change * duration))
         return Pace(self.along + duration * (self.share + share) / 2, share, (share - self.share) / duration)
 

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import brief, check_kind, check_known, number, positive, shown
+from cartgrasp.checks import brief, check_kind, check_known, listed, number, positive, shown
 from cartgrasp.collector import freeze_what_lives
 from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
@@ -28,7 +28,7 @@ from ..limits import CartLimit
 from ..planner import LONGEST_PERIOD, WrenchPlanner
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
-from .caution import Caution, Pace
+from .caution import AWAY, Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
@@ -54,7 +54,7 @@ class Controller:
     Args:
         cart: What is pushed, as it is first believed to be.
         arms: What holds it.
-        reference: Where the cart shall be: a `PathReference`.
+        reference: Where the cart shall be: a `PathReference`, which begins with the first step, whatever its time.
         contacts: Where to hold: "fixed", "periodic", "least-effort", "teach", "schedule", or a source of one's own.
         choosing: What these ways to choose contacts may ask, spend and take.
         regrasp: What a regrasp takes; None: hands are where they are wanted at once, as in the paper.
@@ -116,8 +116,19 @@ class Controller:
         if not callable(getattr(reference, "at", None)):
             raise UsageError(f"controller: reference: {shown(reference)} is no path; write PathReference(chain(…))")
         check_kind("controller: choosing", choosing, Choosing, "write Choosing(every=3.0)")
+        for name, given, kind in (
+            ("caution", caution, Caution),
+            ("rejection", rejection, Rejection),
+            ("gains", gains, Gains),
+        ):
+            if given is not None:
+                check_kind(f"controller: {name}", given, kind, f"write {kind.__name__}(), or None")
+        if isinstance(estimator, type):
+            raise UsageError(
+                f"controller: estimator: {estimator.__name__} is a class; write {estimator.__name__}(cart)"
+            )
         self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
-        self._arms = tuple(arms)
+        self._arms = listed("controller: arms", arms, Arm, "write [Arm(…)]")
         if planner is None:
             planner = WrenchPlanner(
                 cart, arms, cart_limits=cart_limits, confidence=confidence, period=period, relax=math.inf
@@ -145,7 +156,8 @@ class Controller:
         self._last: Step | None = None
         self._first: Estimate | None = None
         self._observed: Estimate | None = None
-        self._time, self._pace = -math.inf, Pace(math.nan)
+        self._time, self._pace = -math.inf, Pace(0.0)
+        self._began: float | None = None  # s: when the reference would have, had there been no pause
         self._knows_where = False  # once a pose was seen
 
     def __repr__(self) -> str:
@@ -201,8 +213,7 @@ class Controller:
     @property
     def is_done(self) -> bool:
         """Whether the last step was at the end of the reference, which a cautious controller reaches later."""
-        along = self._time if self._caution is None else self._pace.along
-        return along >= self.reference.duration
+        return self._last is not None and self._pace.along >= self.reference.duration
 
     # --- saved and restored -------------------------------------------------------------------------------
 
@@ -213,17 +224,16 @@ class Controller:
         if last is None or now is None:
             raise UsageError("controller: there is nothing to save before the first step")
         cart = as_first_guess(self._believed(now)) if self.learns else self.cart
-        along = self._time if self._caution is None else self._pace.along
-        motion = now.motion if self._knows_where else None
-        return Saved(self._time, along, cart, last.placed, last.wrenches, motion).save(path)
+        motion, pace = now.motion if self._knows_where else None, self._pace
+        return Saved(self._time, pace.along, pace.share, cart, last.placed, last.wrenches, motion).save(path)
 
     @classmethod
     def restored(
         cls, path: str | os.PathLike[str], arms: Sequence[Arm], reference: ReferencePath, **options: Any
     ) -> Self:
-        """One that goes on from what was saved; `options` are those of the constructor, which are not kept. `estimator`
-        may be what makes one of the cart that was saved, such as `lambda cart: DisturbedFilter(cart, ["left"])`; one
-        that is made already goes on from what it knows."""
+        """One that goes on from what was saved, and along the path from where it was by then; `options` are those of
+        the constructor, which are not kept. `estimator` may be what makes one of the cart that was saved, such as
+        `lambda cart: DisturbedFilter(cart, ["left"])`; one that is made already goes on from what it knows."""
         saved, given = read_saved(path), options.get("estimator")
         is_new = given is None or (callable(given) and not hasattr(given, "update"))
         if given is not None and is_new:
@@ -231,7 +241,7 @@ class Controller:
         if set(saved.hands) != {arm.name for arm in arms}:
             raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
         controller = cls(saved.cart, arms, reference, **options)
-        controller._time, controller._pace = saved.time, Pace(saved.along)
+        controller._time, controller._pace = saved.time, Pace(saved.along, saved.share)
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
         if saved.motion is not None and is_new:
             pose, nu = saved.motion[:2]
@@ -248,16 +258,18 @@ class Controller:
     def _paced(self, estimate: Estimate, time: float) -> tuple[Reference, float, str]:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
+        elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(AWAY, 2.0 * self.period)
+        if self._began is None or elapsed > longest:
+            self._began = (self._time if 0.0 < elapsed <= longest else time) - self._pace.along
         if caution is None:
-            return self.reference.at(time), time, "" if self._knows_where else WAITS
+            self._pace = Pace(time - self._began)
+            return self._pace.reference(self.reference, time), self._pace.along, "" if self._knows_where else WAITS
         status, away = "optimal", 0.0
         if last is not None:
             status = last.plan.status
-            away = math.dist(last.reference.pose_sb[:2], estimate.motion.pose_sb[:2])
+            away = _along(last.reference.pose_sb, estimate.motion.pose_sb)
         wanted, slowed = caution.wanted(estimate.health, status, away) if self._knows_where else (0.0, WAITS)
-        pace = self._pace if math.isfinite(self._pace.along) else Pace(time)
-        elapsed = time - self._time if math.isfinite(self._time) else 0.0
-        self._pace = pace.after(elapsed, wanted, caution.change)
+        self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
         return self._pace.reference(self.reference, time), self._pace.along, slowed
 
     def _believed(self, estimate: Estimate) -> Estimate:
@@ -308,6 +320,12 @@ class Controller:
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, stop)
+
+
+def _along(reference_sb: Array, pose_sb: Array) -> float:
+    """How far (m) a pose is from the reference's along the latter's heading."""
+    x, y, heading = reference_sb.tolist()
+    return abs(math.cos(heading) * float(x - pose_sb[0]) + math.sin(heading) * float(y - pose_sb[1]))
 
 
 def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:

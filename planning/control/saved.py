@@ -48,6 +48,7 @@ class _HandEntry(StrictModel):
 class _SavedEntry(StrictModel):
     time: float
     along: float | None = None
+    pace: Annotated[float, Field(ge=0, le=1)] = 1.0
     pose: Coordinates | None = None
     velocity: list[float] | None = None
     cart: Any
@@ -56,11 +57,12 @@ class _SavedEntry(StrictModel):
 
 @dataclass(frozen=True, eq=False)
 class Saved:
-    """At `time` (s), and so far `along` the reference (s): the cart, and how sure its numbers are; the hands, and the
-    wrenches (6,) in {a} that they gave; and how the cart moved, where that was known."""
+    """At `time` (s), so far `along` the reference (s), at a `share` of its speed: the cart, and how sure its numbers
+    are; the hands, and the wrenches (6,) in {a} that they gave; and how the cart moved, where that was known."""
 
     time: float
     along: float
+    share: float
     cart: CartModel
     hands: Mapping[str, Hand]
     wrenches: Mapping[str, Array]
@@ -69,7 +71,7 @@ class Saved:
     def save(self, path: str | os.PathLike[str]) -> Path:
         hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
         cart = parse_yaml(cart_text(self.cart), "cart")
-        document: dict[str, Any] = {"time": self.time, "along": self.along}
+        document: dict[str, Any] = {"time": self.time, "along": self.along, "pace": self.share}
         if self.motion is not None:
             document |= {"pose": self.motion.pose_sb.tolist(), "velocity": self.motion.velocity.tolist()}
         document |= {"cart": cart, "hands": hands}
@@ -90,6 +92,7 @@ def read_saved(path: str | os.PathLike[str]) -> Saved:
     return Saved(
         time=entry.time,
         along=entry.time if entry.along is None else entry.along,
+        share=entry.pace,
         cart=cart,
         motion=Motion(np.array(entry.pose), np.array(entry.velocity)) if moves else None,
         hands={name: one.hand() for name, one in entry.hands.items()},

@@ -3,6 +3,7 @@ relax as the load is learned, by what the arms can give."""
 
 from __future__ import annotations
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -227,3 +228,31 @@ def test_the_reference_waits_for_a_cart_that_is_behind():
     away = [float(np.linalg.norm(step.reference.pose_sb[:2] - motion.pose_sb[:2])) for step, motion in told]
     assert any("waits for the cart" in step.words for step, _ in told)
     assert max(away) < 0.6  # it slows down by a ramp
+
+
+@pytest.mark.parametrize("pause_s", [0.5, 30.0])
+def test_after_a_pause_the_path_goes_on_from_rest(pause_s):
+    """Of the loop that calls it, or of a process that begins anew: before, the reference leapt by as much."""
+    made, path = controller(caution=Caution()), PATH
+    told = drive(made, 2.0)
+    last, motion = told[-1]
+    later = last.time + pause_s
+    step = made.step(cg.Measurement(later, pose=motion.pose_sb, velocity=np.zeros(3)))
+    assert math.dist(step.reference.pose_sb[:2], last.reference.pose_sb[:2]) < 0.02
+    assert np.abs(step.reference.velocity).max() < 0.02
+    assert not made.is_done
+    assert path.duration > 2.0
+
+
+def test_the_reference_goes_on_where_the_cart_is_beside_it():
+    """By waiting, wheels that don't slip never get there."""
+    made = Controller(GUESS, arms(), PATH, estimator=CartFilter(GUESS, ["left", "right"]), caution=Caution(behind=0.2))
+    plant, sensors = ModelPlant(TRUTH, pose_sb=(0.0, 0.35, 0.0)), Sensors(TRUTH, SensorNoise(), seed=1)
+    told = []
+    for _ in range(500):
+        step = made.step(sensors.motion(plant.time, plant.motion))
+        made.observe(sensors.wrenches(plant.time, step.given))
+        plant.step(step.given, 0.01)
+        told.append(step)
+    assert not any("waits for the cart" in step.words for step in told[100:])
+    assert np.linalg.norm(plant.motion.pose_sb[:2] - told[-1].reference.pose_sb[:2]) < 0.1

@@ -12,7 +12,17 @@ from cartgrasp.frames import body_to_world
 from cartgrasp.roles import ContactChoice
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, DisturbedFilter, FilterNoise
-from planning import Controller, PathReference, RegraspTimes, WrenchPlanner, build_tracker, chain, pause, straight
+from planning import (
+    Caution,
+    Controller,
+    PathReference,
+    RegraspTimes,
+    WrenchPlanner,
+    build_tracker,
+    chain,
+    pause,
+    straight,
+)
 from planning.references import speed_change, turn
 
 DRAG = ViscousDrag(linear=3.0, angular=1.2)
@@ -223,6 +233,28 @@ def test_what_it_is_made_of_is_checked():
         Controller(GUESS, held, PATH, regrasp=0.5)
     with pytest.raises(UsageError, match=r"controller: planner: .* or give regrasp=None"):
         Controller(GUESS, held, PATH, planner=object())
+    for name in ("caution", "rejection", "gains"):
+        with pytest.raises(UsageError, match=rf"controller: {name}: .* write {name.capitalize()}\(\), or None"):
+            Controller(GUESS, held, PATH, **{name: {}})
+    with pytest.raises(UsageError, match=r"controller: estimator: CartFilter is a class; write CartFilter\(cart\)"):
+        Controller(GUESS, held, PATH, estimator=CartFilter)
+    with pytest.raises(UsageError, match=r"controller: arms: .* is no list; write \[Arm\(…\)\]"):
+        Controller(GUESS, held[0], PATH)
+
+
+@pytest.mark.parametrize("caution", [Caution(), None])
+def test_the_path_begins_with_the_first_step_whatever_the_clock_says(caution):
+    """Such as seconds since 1970."""
+    told = {}
+    for begin in (0.0, 1.7e9):
+        made = Controller(GUESS, arms(), PATH, estimator=learner(), caution=caution)
+        for k in range(30):
+            still = cg.Measurement(begin + 0.01 * k, pose=[0, 0, 0], velocity=[0, 0, 0])
+            told[begin] = made.step(still)
+        assert not made.is_done
+    one, other = told.values()
+    np.testing.assert_allclose(one.reference.pose_sb, other.reference.pose_sb, atol=1e-6)
+    np.testing.assert_allclose(one.given.wrench_b, other.given.wrench_b, atol=1e-2)
 
 
 @pytest.mark.parametrize("regrasp", [TIMES, None])
