@@ -72,6 +72,7 @@ class Observed:
         return Motion(mean[:3].copy(), mean[3 : 3 + self.k].copy(), memory)
 
 
+# Many methods: what kernels are given about one cart, each worked out once.
 @dataclass(frozen=True)
 class DisturbanceObserver:
     """Steps from one `Observed` to the next; `response` (s) is the time in which a step is followed to 5 %, `prior`

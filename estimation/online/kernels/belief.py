@@ -157,7 +157,7 @@ def evidence(since: tuple[Array, Array, Array], root: Array) -> float:
 
 @row_compiled
 def _log_density(value: Array, covariance: Array) -> float:
-    """Of a normal value, but for a constant."""
+    """The log density of a normal value (n,), but for a constant."""
     factor, white, found = covariance.copy(), value.copy(), 0.0
     factorise(factor, len(factor))
     for a in range(len(white)):
