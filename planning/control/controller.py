@@ -259,7 +259,7 @@ class Controller:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
         elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(AWAY, 2.0 * self.period)
-        if self._began is None or elapsed > longest:
+        if self._began is None or not 0.0 <= elapsed <= longest:
             self._began = (self._time if 0.0 < elapsed <= longest else time) - self._pace.along
         if caution is None:
             self._pace = Pace(time - self._began)

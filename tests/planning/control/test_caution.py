@@ -230,6 +230,17 @@ def test_the_reference_waits_for_a_cart_that_is_behind():
     assert max(away) < 0.6  # it slows down by a ramp
 
 
+@pytest.mark.parametrize("step_s", [-3.0, 0.5, 30.0])
+def test_where_the_clock_steps_the_path_goes_on_from_where_it_was(step_s):
+    """Also without caution, with the speed that it had."""
+    made = controller()
+    told = drive(made, 2.0)
+    last, motion = told[-1]
+    step = made.step(cg.Measurement(last.time + step_s, pose=motion.pose_sb, velocity=np.zeros(3)))
+    assert math.dist(step.reference.pose_sb[:2], last.reference.pose_sb[:2]) < 0.02
+    assert not made.is_done
+
+
 @pytest.mark.parametrize("pause_s", [0.5, 30.0])
 def test_after_a_pause_the_path_goes_on_from_rest(pause_s):
     """Of the loop that calls it, or of a process that begins anew: before, the reference leapt by as much."""
