@@ -157,7 +157,6 @@ class Controller:
         self._first: Estimate | None = None
         self._observed: Estimate | None = None
         self._time, self._pace = -math.inf, Pace(0.0)
-        self._began: float | None = None  # s: when the reference would have, had there been no pause
         self._knows_where = False  # once a pose was seen
 
     def __repr__(self) -> str:
@@ -259,10 +258,8 @@ class Controller:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
         elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(AWAY, 2.0 * self.period)
-        if self._began is None or not 0.0 <= elapsed <= longest:
-            self._began = (self._time if 0.0 < elapsed <= longest else time) - self._pace.along
         if caution is None:
-            self._pace = Pace(time - self._began)
+            self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
             return self._pace.reference(self.reference, time), self._pace.along, "" if self._knows_where else WAITS
         status, away = "optimal", 0.0
         if last is not None:

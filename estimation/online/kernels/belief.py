@@ -82,9 +82,10 @@ def absorbed(
     spreads = own + congruence(before[:, k:].copy(), link), own + congruence(before, covariance)
     motion = RATE**2 * (row.after + row.fade**2 * link[:n, :n])
     foreseen = RATE * row.fade * mean[k : k + n].copy()
-    found = rid(row, free, (motion, foreseen), spreads, value - times(before, mean))
+    raw = value - times(before, mean)
+    found = rid(row, free, (motion, foreseen), spreads, raw)
     more_noise = _by_own_masses(row, free, motion, mean[: k - 1] - _of_free(at, free))
-    in_own = value - times(before, mean), spreads[1] + more_noise, spreads[0] + more_noise
+    in_own = raw, spreads[1] + more_noise, spreads[0] + more_noise
     for a in range(n):
         for j in range(k - 1):
             slopes[a, j] += found.slopes[a, j]
@@ -98,8 +99,9 @@ def absorbed(
         return ((information, pull), in_slopes), nothing
     scale = max(1.0, square / (gate * n))
     taught = slopes[:, : k - 1].copy()
-    asked, unit = turned(solved(scale * spread, taught)), np.eye(n)
-    bias, by_noise = in_score(row, free, found, solved(scale * spread, unit))
+    weight = solved(scale * spread, np.eye(n))
+    asked = product(turned(taught), weight)
+    bias, by_noise = in_score(row, free, found, weight)
     pulled = times(asked, innovation) + bias
     said = square, pulled, product(asked, taught), by_noise, innovation, spread, spreads[0], in_own
     whole, more = _linked((information, pull), linking)
@@ -110,7 +112,7 @@ def absorbed(
     weighed = turned(solved(scale * alone, wide))
     whole += product(weighed, wide)
     more += times(weighed, value)
-    bias, by_noise = in_score(row, free, found, solved(scale * spreads[0], unit))
+    bias, by_noise = in_score(row, free, found, solved(scale * spreads[0], np.eye(n)))
     for j in range(k - 1):
         more[j] += bias[j]
         for i in range(k - 1):
