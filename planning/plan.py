@@ -13,7 +13,7 @@ from cartgrasp.checks import brief, digits
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import WheelForces
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 
 from .allocation.infeasibility import Certificate, Nearest
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram, Residuals
@@ -81,6 +81,7 @@ class Plan:
     explain: Callable[[], Plan] | None = field(default=None, repr=False)
     wheel_forces: Callable[[Array], WheelForces] | None = field(default=None, repr=False)
     arms: tuple[Arm, ...] = field(default=(), repr=False)
+    beside: Array | None = field(default=None, repr=False)
 
     def __repr__(self) -> str:
         if not self.is_usable:
@@ -151,15 +152,20 @@ class Plan:
 
     @cached_property
     def cart_wrench(self) -> Array | None:
-        """What the arms, or what is held, give the cart: (fx, fy, tau) (3,) in {b}. Its effective rows are those asked
-        for; a side force that fixed wheels take is whatever costs the arms least. None where there are no wrenches."""
-        return self.contact_wrenches.wrench_b if self.is_usable or self.held else None
+        """What the arms, or what is held, and what is given besides, give the cart: (fx, fy, tau) (3,) in {b}. Its
+        effective rows are those asked for; a side force that fixed wheels take is whatever costs the arms least. None
+        where there are no wrenches."""
+        if not (self.is_usable or self.held):
+            return None
+        given = self.contact_wrenches.wrench_b
+        return given if self.beside is None else given + self.beside[[*PLANAR]]
 
     @cached_property
     def _wheels(self) -> WheelForces | None:
         if self.wheel_forces is None or self.cart_wrench is None:
             return None
-        return self.wheel_forces(self.contact_wrenches.spatial_wrench_b)
+        given = self.contact_wrenches.spatial_wrench_b
+        return self.wheel_forces(given if self.beside is None else given + self.beside)
 
     @property
     def wheel_side_force(self) -> float | None:

@@ -34,7 +34,7 @@ from .tick.answers import Solved, proof_of
 from .tick.compiled_allocation import SOLVER, Point
 from .tick.compiled_nearest import FORBIDDEN, UNPROVEN, Near, left_open
 from .tick.next_problem import next_problem
-from .tick.plan_inputs import RefusedError, read_wrench
+from .tick.plan_inputs import RefusedError, read_beside, read_wrench
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
 from .tick.stopping import stopping_plan
@@ -121,8 +121,8 @@ class WrenchPlanner:
 
     @property
     def needs_estimate(self) -> bool:
-        """Whether it has limits of the cart, which hold for the estimate given last."""
-        return bool(self._made.cart_limits.limits)
+        """Whether its limits or its objective look at the cart as estimated last."""
+        return bool(self._made.cart_limits.limits) or self._now.terms.base.looks_at_wheels
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
@@ -133,6 +133,17 @@ class WrenchPlanner:
         other = shallow_copy(self)
         other._made = replace(self._made, switching_cost=self._made.costs_of(names))
         other._now = TickState(other._made, [arm for arm in self._now.terms.base.arms if arm.name in names])
+        return other
+
+    @property
+    def period(self) -> float:
+        """s between calls."""
+        return self._made.period
+
+    def at_any_rate(self) -> Self:
+        """A planner like this one, which remembers nothing, for arms whose wrenches may change at any rate."""
+        other = shallow_copy(self)
+        other._now = TickState(other._made, [arm.without_rate() for arm in self._now.terms.base.arms])
         return other
 
     def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike] = NOWHERE) -> None:
@@ -190,6 +201,7 @@ class WrenchPlanner:
         estimate: Estimate | None = None,
         arms: Sequence[Arm] | None = None,
         stop: Callable[[], ArrayLike] | None = None,
+        beside: ContactWrenches | None = None,
     ) -> Plan:
         """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
         none, the last one, decaying with a time constant of 0.1 s, or as fast as rates of change allow (zero if there
@@ -200,17 +212,19 @@ class WrenchPlanner:
         Args:
             stop: Gives the wrench (3,) in {b} that would bring the cart to rest. Where no wrench keeps the limits of
                 the cart on the floor, `held` is that, as far as the arms can give it, with as much of the margins as
-                leave it; where it is beyond the limits themselves, the nearest within; else whatever they are."""
-        plan = self._plan(wrench, contacts, estimate, arms, at_once=True)
+                leave it; where it is beyond the limits themselves, the nearest within; else whatever they are.
+            beside: What others give the cart this tick: part of `wrench`, of `Plan.cart_wrench` and of what limits of
+                the cart on the floor hold for."""
+        plan = self._plan(wrench, contacts, estimate, arms, beside, at_once=True)
         now, terms = self._now, self._now.terms
         if plan.is_usable:
             now.stop_share = 1.0
             return plan
-        told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms}
+        told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms, "beside": terms.beside}
         if stop is not None and plan.status in UNPLANNED and terms.limits_floor:
 
             def planned(wanted: ArrayLike, exact: bool) -> Plan:
-                return self._plan(wanted, contacts, None, None, at_once=True, exact=exact)
+                return self._plan(wanted, contacts, None, None, beside, at_once=True, exact=exact)
 
             asked, stopping = self._asked, stopping_plan(now, stop(), planned)
             self._asked = asked
@@ -227,6 +241,7 @@ class WrenchPlanner:
         contacts: Mapping[str, ArrayLike] | None,
         estimate: Estimate | None,
         arms: Sequence[Arm] | None,
+        beside: ContactWrenches | None = None,
         at_once: bool = False,
         exact: bool = False,
     ) -> Plan:
@@ -237,11 +252,13 @@ class WrenchPlanner:
             if arms is not None:
                 now.take_arms(arms)  # first: what is held must obey them as well
             now.take_postures(contacts)
-            asked = self._asked = read_wrench(wrench)
+            self._asked = read_wrench(wrench)
+            now.take_beside(read_beside(beside))
             if estimate is not None:
                 now.take_estimate(estimate)
             if now.terms.base.looks_at_wheels:
-                now.cost = now.terms.cost(now.last.wrenches, asked)
+                now.cost = now.terms.cost(now.last.wrenches, self._asked)
+            asked = now.terms.rest_of(self._asked)
             plan = None if now.compiled is None else now.compiled.at(contacts, asked, now.cost, start)
             if now.compiled is not None and plan is not None:
                 return self._remembered(plan, *now.compiled.last)
@@ -255,7 +272,7 @@ class WrenchPlanner:
         if (points := candidates.single) is None:
             plan = self._choose(candidates, asked, start, at_once)
             again = plan.is_usable and now.terms.has_postures  # with the limits of the postures there
-            return unproven(self._plan(asked, plan.contacts, None, None, at_once)) if again else plan
+            return unproven(self._plan(self._asked, plan.contacts, None, None, beside, at_once)) if again else plan
         target = self._to_effective.dot(asked)
         if at_once and now.compiled is not None and now.compiled.is_infeasible:
             near = FORBIDDEN if exact or self._made.relax == 0.0 else now.compiled.nearest(asked, now.cost, start)

@@ -25,6 +25,7 @@ from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
 from ..contact_sources.ways import FIXED
 from ..limits import CartLimit
+from ..objectives import Objective
 from ..planner import LONGEST_PERIOD, WrenchPlanner
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
@@ -41,7 +42,8 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate, Reference
 
-LOST = ("stale", "no_wrench", "clock_went_back")
+ASTRAY = ("stale", "clock_went_back")
+LOST = (*ASTRAY, "no_wrench")
 """Healths under which no hand lets go."""
 WAITS = "waits for a first pose"
 FARTHEST_DRIFT = 10.0
@@ -59,6 +61,7 @@ class Controller:
         choosing: What these ways to choose contacts may ask, spend and take.
         regrasp: What a regrasp takes; None: hands are where they are wanted at once, as in the paper.
         held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
+        objective: What is least, as for `WrenchPlanner`.
         cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
         confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
         caution: What to do less of while the estimate's health is not ok, no plan can be given, or the cart is behind;
@@ -99,6 +102,7 @@ class Controller:
         choosing: Choosing = AS_CHOSEN,
         regrasp: RegraspTimes | None = USUAL,
         held: Mapping[str, ArrayLike] | None = None,
+        objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
         confidence: float | None = None,
         caution: Caution | None = None,
@@ -130,11 +134,10 @@ class Controller:
         self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
         self._arms = listed("controller: arms", arms, Arm, "write [Arm(…)]")
         if planner is None:
-            planner = WrenchPlanner(
-                cart, arms, cart_limits=cart_limits, confidence=confidence, period=period, relax=math.inf
-            )
-        elif cart_limits or confidence is not None:
-            raise UsageError("controller: cart_limits and confidence are the planner's; give them to yours")
+            limits: dict[str, Any] = {"cart_limits": cart_limits, "confidence": confidence}
+            planner = WrenchPlanner(cart, arms, objective=objective, period=period, relax=math.inf, **limits)
+        elif cart_limits or confidence is not None or objective is not None:
+            raise UsageError("controller: objective, cart_limits and confidence are the planner's; give them to yours")
         self._planner, self._caution, self._rejection = planner, caution, rejection
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
@@ -301,9 +304,9 @@ class Controller:
         return self._planner.plan_or_hold(wanted, contacts, told)
 
     def _for_planner(self, estimate: Estimate) -> Estimate | None:
-        """The estimate, where the planner has limits that hold for it."""
+        """The estimate; to a planner that only tells by it what wheels take, none whose motion is lost."""
         if not self._needs_estimate:
-            return None
+            return None if estimate.health in ASTRAY else estimate
         return estimate if self._caution is None else self._caution.widened(estimate)
 
     def _with_hands(

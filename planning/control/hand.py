@@ -93,12 +93,15 @@ class Hand:
             return self
         return replace(self, phase=Phase.UNLOADS, target=target)
 
-    def after(self, duration: float, times: RegraspTimes) -> Hand:
-        """So many s later; a phase that ends in between leaves its rest unused, so that none is skipped."""
+    def after(self, duration: float, times: RegraspTimes, may_leave: bool = True) -> Hand:
+        """So many s later; a phase that ends in between leaves its rest unused, so that none is skipped. A hand that
+        is unloaded stays until it `may_leave`: until what it still gives can be zero at once."""
         match self.phase:
             case Phase.UNLOADS:
                 share = self.share - _part(duration, times.unload)
-                return replace(self, share=share) if share > 1e-9 else replace(self, share=0.0, phase=Phase.MOVES)
+                if share > 1e-9:
+                    return replace(self, share=share)
+                return replace(self, share=0.0, phase=Phase.MOVES if may_leave else Phase.UNLOADS)
             case Phase.MOVES:
                 return self._moved(times.speed * duration)
             case Phase.TAKES_HOLD:

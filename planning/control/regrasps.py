@@ -1,7 +1,8 @@
 """The arms' plan while a hand may be on its way: what it gives rises and falls along ramps, the others bear the rest.
 
 One hand at a time lets go. A hand with share s of its wrench gives s times what the plan of all arms asks of it, and
-the others are planned for what is left, so that the cart gets what it is to get as long as they can give it.
+the others are planned for what is left, so that the cart gets what it is to get as long as they can give it. Where its
+rate of change is limited, a ramp takes as long as that needs.
 """
 
 from __future__ import annotations
@@ -13,7 +14,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import ContactWrenches, grasp_map_planar
+from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
 from cartgrasp.motion import Estimate
 from cartgrasp.roles import Plan as AnyPlan
@@ -50,6 +51,12 @@ class Regrasps:
         self._others = {
             name: planner.for_arms([other for other in names if other != name]) for name in names if len(names) > 1
         }
+        self._slowly = {arm.name: planner.period * np.array(arm.wrench_rate) for arm in arms}
+        """By how much a wrench (6,) may change in a tick."""
+        self._in_time = self._others
+        """The others after as long as it takes: what they can give without limits of rates."""
+        if not all(np.isinf(step).all() for step in self._slowly.values()):
+            self._in_time = {name: others.at_any_rate() for name, others in self._others.items()}
         self.hands: dict[str, Hand] = {}
         self.kept: dict[str, str] = {}
         """Why hands stay that were to go."""
@@ -57,7 +64,7 @@ class Regrasps:
         self._last: tuple[Phase | None, Mapping[str, Array]] = (None, {})
 
     def warm_up(self) -> None:
-        for planner in self._others.values():
+        for planner in {*self._others.values(), *self._in_time.values()}:
             planner.warm_up()
 
     @property
@@ -71,7 +78,9 @@ class Regrasps:
     def go_on(self, duration: float) -> None:
         """So many s later."""
         if self.busy is not None:
-            self.hands = {name: hand.after(duration, self._times) for name, hand in self.hands.items()}
+            self.hands = {
+                name: hand.after(duration, self._times, self._may_leave(name)) for name, hand in self.hands.items()
+            }
 
     def begin(self, contacts: Mapping[str, Array]) -> None:
         """With hands that hold."""
@@ -123,17 +132,31 @@ class Regrasps:
         share, own, contacts = self.hands[name].share, np.zeros(6), self.contacts
         if share > 0:
             whole = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
-            own = share * whole.contact_wrenches.wrenches[name]
+            own = self._towards(name, share * whole.contact_wrenches.wrenches[name])
+        elif not self.hands[name].is_away:
+            own = self._towards(name, own)
         away = frozenset({name}) if self.hands[name].is_away else frozenset()
         if name not in self._others:
             plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
-        given_so_far = grasp_map_planar(contacts[name], self._yaws[name]) @ own
-        rest = None if stop is None else lambda: stop() - given_so_far
-        plan = self._others[name].plan_or_hold(wrench_b - given_so_far, self._beside(name), estimate, stop=rest)
+        beside = ContactWrenches({name: own}, {name: contacts[name]}, self._yaws)
+        plan = self._others[name].plan_or_hold(wrench_b, self._beside(name), estimate, stop=stop, beside=beside)
         given = plan.contact_wrenches.wrenches
         wrenches = {other: own if other == name else given[other] for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)
+
+    def _may_leave(self, name: str) -> bool:
+        """Whether it can give nothing from now on."""
+        given = self._last[1].get(name)
+        return given is None or bool((np.abs(given) <= self._slowly[name]).all())
+
+    def _towards(self, name: str, wanted: Array) -> Array:
+        """A wrench (6,) as near to what is wanted as the arm's rates allow, between that and what it gave last."""
+        last = self._last[1].get(name, wanted)
+        change = np.abs(wanted - last)
+        with np.errstate(divide="ignore", invalid="ignore"):
+            part = np.where(change > 0, self._slowly[name] / change, np.inf).min()
+        return wanted if part >= 1.0 else last + part * (wanted - last)
 
     def _start_from(self, name: str | None) -> None:
         """Planners go on from what was given last, where the hands that they plan for change."""
@@ -152,6 +175,7 @@ class Regrasps:
             return why
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
-            return why_others_cannot(self._others[name], self._beside(name), ahead, self._times.lasting(distance))
+            lasting = self._times.lasting(distance)
+            return why_others_cannot(self._in_time[name], self._beside(name), ahead, lasting)
         lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
         return why_cart_cannot_coast(ahead, lasting, self._drift)

@@ -103,6 +103,12 @@ class CartRows:
             cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
         return cones
 
+    def beside(self, wrench_b: Array) -> Self:
+        """The same rows, where something else gives the cart a spatial wrench (6,) about {b}'s origin as well."""
+        given = self.of_sum @ wrench_b
+        of_cones = given[self.n_plain :].reshape(self.cone_offsets.shape)
+        return replace(self, low=self.low - given, high=self.high - given, cone_offsets=self.cone_offsets + of_cones)
+
     def lifted(self) -> Self:
         """The same rows and cones, which limit nothing."""
         of_sum, offsets, free = self.of_sum.copy(), np.zeros_like(self.cone_offsets), np.full(len(self.low), np.inf)

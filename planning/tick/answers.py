@@ -83,6 +83,7 @@ class Answers:
             tell=lambda: Figures(base.effort(wrenches), program.active(solution), solution.residuals, proof),
             prove=lambda: (program, solution),
             wheel_forces=self._terms.wheel_forces,
+            beside=self._terms.beside,
             arms=base.arms,
         )
 

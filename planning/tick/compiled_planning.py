@@ -228,6 +228,7 @@ class CompiledPlanning:
             "message": "",
             "tell": partial(_told, self._terms.template, answer, found.names, choice),
             "wheel_forces": self._terms.wheel_forces,
+            "beside": self._terms.beside,
             "arms": self._terms.base.arms,
             "prove": partial(_proof, self._terms.template, (points, wrench, found.cost), answer, self._tangents),
         }

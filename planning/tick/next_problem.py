@@ -38,6 +38,7 @@ def next_problem(terms: Terms, last: LastPlan, wrench: Any, contacts: Mapping[st
     places = zip(base.names, last.contacts_or(terms.first), strict=True)
     points = np.array([given.get(name, place) for name, place in places])
     to_effective = base.basis_b.T
-    program = ProgramAtContacts(terms).at(points, to_effective @ asked, terms.cost(last.wrenches, asked))
+    rest = terms.rest_of(asked)
+    program = ProgramAtContacts(terms).at(points, to_effective @ rest, terms.cost(last.wrenches, asked))
     parameter = cvxpy.Parameter(3, name="wrench", value=np.array(asked))
-    return pose(program, base.names, to_effective @ parameter).problem
+    return pose(program, base.names, to_effective @ (parameter - np.subtract(asked, rest))).problem

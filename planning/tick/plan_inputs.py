@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import shown
-from cartgrasp.contacts import LARGEST_POSITION
+from cartgrasp.contacts import LARGEST_POSITION, ContactWrenches
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.frames import Array
 
@@ -31,6 +31,18 @@ class RefusedError(CartgraspError):
 def read_wrench(wrench: Any) -> tuple[float, float, float]:
     """(fx, fy, tau) in {b}."""
     return _read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH)
+
+
+def read_beside(beside: Any) -> Array | None:
+    """What others give the cart: a spatial wrench (6,) about {b}'s origin."""
+    if beside is None:
+        return None
+    if not isinstance(beside, ContactWrenches):
+        raise RefusedError(INVALID_INPUT, f"beside: {shown(beside)} is not what arms give; write ContactWrenches(…)")
+    wrench_b = beside.spatial_wrench_b
+    if not (np.abs(wrench_b) <= LARGEST_WRENCH).all():
+        raise RefusedError(INVALID_INPUT, f"beside: {wrench_b.tolist()} is not finite, or beyond {LARGEST_WRENCH:g}")
+    return wrench_b
 
 
 def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str, tuple[float, float, float]]:

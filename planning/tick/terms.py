@@ -19,12 +19,12 @@ from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import WheelForces, straight_force
-from cartgrasp.frames import Array
+from cartgrasp.frames import PLANAR, Array
 from cartgrasp.reach import Reach
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..contacts.contact_bounds import Candidates
-from ..limits import LimitRows, Pushed, WrenchRate
+from ..limits import CartRows, LimitRows, Pushed, WrenchRate
 from ..limits.robust import RobustLimits
 from ..objectives import Cost, Objective
 from ..plan import INVALID_INPUT
@@ -66,10 +66,13 @@ class Terms:
         """What the wheels take under a spatial wrench (6,) of the hands."""
         self.straight = 0.0
         """N that they take of hands which give what is asked, and nothing across the wheels."""
+        self.beside: Array | None = None
+        """What others give the cart besides: a spatial wrench (6,) about {b}'s origin."""
         self._places: list[tuple[ContactSet, Reach | None]] = []
         self._cart_limits = cart_limits
         self._distance, self._period = distance_and_period
-        self._use(base.with_cart_rows(cart_limits.rows(self._pushed, None, self._on_floor)))
+        self._rows = cart_limits.rows(self._pushed, None, self._on_floor)
+        self._use(base.with_cart_rows(self._rows))
 
     def take_postures(self, contacts: Mapping[str, ArrayLike] | None) -> bool:
         """The limits of the postures at contacts (3,), given by arm, and where an arm has no choice; others stay as
@@ -90,20 +93,31 @@ class Terms:
         if all(one is other for one, other in zip(changed, self.base.arms, strict=True)):
             return False
         try:
-            pushed, rows = self._pushed.by(changed), self.base.cart_rows
+            pushed, rows = self._pushed.by(changed), self._rows
             if any(limit.looks_at_arms for limit in self._cart_limits.limits):
                 rows = self._cart_limits.rows(pushed, self._covariance, self._on_floor)
-            self._use(self.base.with_arms(changed, rows))
+            self._rows = rows
+            self._use(self.base.with_arms(changed, self._rows_now))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
         self._pushed = pushed
         return True
+
+    def rest_of(self, asked: tuple[float, float, float]) -> tuple[float, float, float]:
+        """What is left of a planar wrench (3,) for these arms."""
+        if self.beside is None:
+            return asked
+        (fx, fy, tau), (x, y, turn) = asked, self.beside[[*PLANAR]].tolist()
+        return fx - x, fy - y, tau - turn
 
     def cost(self, last: Array, asked: Sequence[float]) -> Cost:
         """The cost after wrenches (6n,), where the cart is to get a planar wrench (3,)."""
         if self.base.looks_at_wheels:
             slope, besides = self._straight_force
             self.straight = float(slope.dot(asked)) + besides
+            if self.beside is not None:
+                along_x, along_y = self.base.basis_b[:2, 0].tolist()
+                self.straight -= float(self.beside[1] * along_x - self.beside[0] * along_y)
         return self.base.cost(last, self.straight)
 
     @cached_property
@@ -155,14 +169,22 @@ class Terms:
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
         self._pushed, self._on_floor, self._covariance = pushed, on_floor, covariance
         self._believe(estimate)
-        self.template = self.base = self.base.with_cart_rows(rows)
+        self._take_rows(rows)
+        return True
+
+    def take_beside(self, wrench_b: Array | None) -> bool:
+        """What others give besides from now on; True if that changed anything."""
+        before = self.beside
+        if wrench_b is before or (wrench_b is not None and before is not None and np.array_equal(wrench_b, before)):
+            return False
+        self.beside = wrench_b
+        self._take_rows(self._rows)
         return True
 
     def keep(self, share: float | None) -> None:
         """That share of the margins of `confidence`, until another is kept or an estimate is taken; None: not even the
         cart's limits on the floor."""
-        rows = self._cart_limits.rows(self._pushed, self._covariance, self._on_floor, share)
-        self.template = self.base = self.base.with_cart_rows(rows)
+        self._take_rows(self._cart_limits.rows(self._pushed, self._covariance, self._on_floor, share))
 
     @property
     def has_margins(self) -> bool:
@@ -171,6 +193,14 @@ class Terms:
     @property
     def limits_floor(self) -> bool:
         return len(self._on_floor.low) > 0
+
+    def _take_rows(self, rows: CartRows) -> None:
+        self._rows = rows
+        self.template = self.base = self.base.with_cart_rows(self._rows_now)
+
+    @property
+    def _rows_now(self) -> CartRows:
+        return self._rows if self.beside is None else self._rows.beside(self.beside)
 
     def _believe(self, estimate: Estimate) -> None:
         self.__dict__.pop("_straight_force", None)

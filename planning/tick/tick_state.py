@@ -113,6 +113,12 @@ class TickState:
                 self._compile()
         self.newest_estimate = newest  # one that is refused makes no later one stale
 
+    def take_beside(self, wrench_b: Array | None) -> None:
+        """What others give the cart besides, as `Terms.beside`."""
+        if self.terms.take_beside(wrench_b):
+            self.program.drop()
+            self._take_last()
+
     def keep(self, share: float | None) -> None:
         """That share of the margins, as `Terms.keep` says, for what is planned from now on."""
         self.terms.keep(share)

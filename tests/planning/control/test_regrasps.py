@@ -1,0 +1,105 @@
+"""While a hand is on its way, limits of the cart hold for all that is given; no wrench changes faster than it may."""
+
+from __future__ import annotations
+
+import numpy as np
+import pytest
+
+import cartgrasp as cg
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.errors import UsageError
+from cartgrasp.floor_reaction import FloorReaction
+from cartgrasp.roles import ContactChoice
+from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from cartgrasp.studies.shopping_cart import WHEELS
+from estimation import CartFilter, FilterNoise
+from planning import Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause
+from planning.control.hand import Phase
+from planning.references import speed_change, turn
+
+DRAG = ViscousDrag(linear=3.0, angular=1.2)
+CART = cg.CartModel(cg.Inertia(26.0, (0.3, 0.03), 2.4), effects=(DRAG,), wheels=WHEELS, com_height=0.45)
+BRAKES = PathReference(chain(speed_change(0.8, 0.8), pause(0.6), speed_change(-0.8, 1.0), pause(1.0)))
+CURVES = PathReference(chain(speed_change(0.8, 0.6), turn(1.2, 0.6), turn(-1.2, 0.6), speed_change(-0.8, 0.6)))
+
+
+def arms(rate=np.inf, far=0.1):
+    return [
+        cg.Arm(
+            name,
+            [(-0.25, y, 1.0), (far, y, 0.9)],
+            force_limit=(120.0,) * 3,
+            moment_limit=(15.0,) * 3,
+            wrench_rate=(rate,) * 6,
+        )
+        for name, y in (("left", 0.2), ("right", -0.2))
+    ]
+
+
+class Leaves:
+    """The left hand's second place from a time on."""
+
+    def __init__(self, held, time):
+        self.points, self.time = {arm.name: [np.array(p) for p in arm.contacts.points] for arm in held}, time
+
+    def contacts(self, query):
+        left = int(query.time > self.time)
+        return ContactChoice({"left": self.points["left"][left], "right": self.points["right"][0]}, "told")
+
+
+def drive(reference, leaves, rate=np.inf, far=0.1, duration=None, **parts):
+    """The steps of a run."""
+    held, names = arms(rate, far), ["left", "right"]
+    learner = CartFilter(CART, names, noise=FilterNoise(force=1.0, moment=0.05))
+    controller = Controller(CART, held, reference, contacts=Leaves(held, leaves), estimator=learner, **parts)
+    plant, sensors = ModelPlant(CART), Sensors(CART, SensorNoise(force=1.0, moment=0.05), seed=3)
+    steps = []
+    for _ in range(round((duration or reference.duration) / controller.period)):
+        steps.append(controller.step(sensors.motion(plant.time, plant.motion)))
+        controller.observe(sensors.wrenches(plant.time, steps[-1].given))
+        plant.step(steps[-1].given, controller.period)
+    return steps
+
+
+@pytest.mark.parametrize("leaves", [1.5, 1.65])
+@pytest.mark.parametrize(("least", "confidence"), [(43.0, None), (25.0, 0.9)])
+def test_limits_hold_for_what_all_hands_give(leaves, least, confidence):
+    """`least` N of each wheel, which braking would have; with margins it keeps farther off."""
+    limits = {"cart_limits": [TipOver(least)], "confidence": confidence, "learn": False}
+    steps = drive(BRAKES, leaves, far=-0.1, **limits)
+    assert {step.hands["left"].phase for step in steps} == set(Phase)
+    bites = 0
+    for step in steps:
+        given, floor = step.given.spatial_wrench_b, FloorReaction.of(step.estimate.cart(), step.estimate.motion)
+        np.testing.assert_allclose(step.plan.cart_wrench, step.given.wrench_b, atol=1e-9)
+        np.testing.assert_allclose(step.plan.wheel_loads, floor.loads(given), atol=1e-6)
+        if step.plan.is_usable:
+            assert floor.loads(given).min() >= least - 1e-6, (step.time, step.hands["left"].phase)
+            bites += step.hands["left"].phase is not Phase.HOLDS and floor.loads(given).min() < least + 1e-3
+    assert bites or confidence
+
+
+def test_wheels_are_told_for_the_estimate_without_limits_too():
+    for step in drive(CURVES, 1.0, duration=2.0):
+        floor = FloorReaction.of(step.estimate.cart(), step.estimate.motion)
+        assert step.plan.wheel_side_force == pytest.approx(floor.lateral(step.given.spatial_wrench_b), abs=1e-9)
+
+
+@pytest.mark.parametrize("rate", [40.0, 400.0])
+def test_no_wrench_changes_faster_than_its_arm_may(rate):
+    steps = drive(CURVES, 1.0, rate)
+    given = {name: np.array([step.wrenches[name] for step in steps]) for name in ("left", "right")}
+    for values in given.values():
+        assert np.abs(np.diff(values, axis=0, prepend=0.0)).max() <= rate * 0.01 * (1 + 1e-9)
+    away = np.array([step.hands["left"].is_away for step in steps])
+    assert away.any()
+    assert not given["left"][away].any()
+    assert steps[-1].hands["left"].point == (0.1, 0.2, 0.9)
+
+
+def test_it_gives_what_is_least_by_its_objective():
+    usual, spares = (drive(CURVES, np.inf, objective=objective) for objective in (None, LeastSideForce(100.0)))
+    side = [np.sqrt(np.mean([step.plan.wheel_side_force**2 for step in steps])) for steps in (usual, spares)]
+    assert side[1] < 0.2 * side[0]
+    with pytest.raises(UsageError, match="objective, cart_limits and confidence are the planner's"):
+        Controller(CART, arms(), CURVES, planner=WrenchPlanner(CART, arms()), objective=LeastSideForce())
