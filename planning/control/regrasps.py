@@ -19,6 +19,7 @@ from cartgrasp.frames import Array
 from cartgrasp.motion import Estimate
 from cartgrasp.roles import Plan as AnyPlan
 
+from ..limits import WrenchRate
 from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
 from ..tick.terms import why_no_posture
@@ -51,11 +52,10 @@ class Regrasps:
         self._others = {
             name: planner.for_arms([other for other in names if other != name]) for name in names if len(names) > 1
         }
-        self._slowly = {arm.name: planner.period * np.array(arm.wrench_rate) for arm in arms}
-        """By how much a wrench (6,) may change in a tick."""
+        self._rates = {arm.name: WrenchRate.of([arm], planner.period) for arm in arms}
         self._in_time = self._others
         """The others after as long as it takes: what they can give without limits of rates."""
-        if not all(np.isinf(step).all() for step in self._slowly.values()):
+        if any(self._rates.values()):
             self._in_time = {name: others.at_any_rate() for name, others in self._others.items()}
         self.hands: dict[str, Hand] = {}
         self.kept: dict[str, str] = {}
@@ -78,9 +78,8 @@ class Regrasps:
     def go_on(self, duration: float) -> None:
         """So many s later."""
         if self.busy is not None:
-            self.hands = {
-                name: hand.after(duration, self._times, self._may_leave(name)) for name, hand in self.hands.items()
-            }
+            free = {name: not self._towards(name, np.zeros(6)).any() for name in self.hands}
+            self.hands = {name: hand.after(duration, self._times, free[name]) for name, hand in self.hands.items()}
 
     def begin(self, contacts: Mapping[str, Array]) -> None:
         """With hands that hold."""
@@ -145,18 +144,10 @@ class Regrasps:
         wrenches = {other: own if other == name else given[other] for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)
 
-    def _may_leave(self, name: str) -> bool:
-        """Whether it can give nothing from now on."""
-        given = self._last[1].get(name)
-        return given is None or bool((np.abs(given) <= self._slowly[name]).all())
-
     def _towards(self, name: str, wanted: Array) -> Array:
-        """A wrench (6,) as near to what is wanted as the arm's rates allow, between that and what it gave last."""
-        last = self._last[1].get(name, wanted)
-        change = np.abs(wanted - last)
-        with np.errstate(divide="ignore", invalid="ignore"):
-            part = np.where(change > 0, self._slowly[name] / change, np.inf).min()
-        return wanted if part >= 1.0 else last + part * (wanted - last)
+        """A wrench (6,) as near to what is wanted as the arm's rates allow from what it gave last."""
+        rate, last = self._rates[name], self._last[1].get(name)
+        return wanted if rate is None or last is None else rate.towards(last, wanted)
 
     def _start_from(self, name: str | None) -> None:
         """Planners go on from what was given last, where the hands that they plan for change."""

@@ -42,6 +42,12 @@ class WrenchRate:
         upper_names = tuple(f"{name} upper" for name in self.names)
         return LimitRows(last - self.step, last + self.step, lower_names, upper_names, np.zeros((0, len(last))))
 
+    def towards(self, last: Array, wanted: Array) -> Array:
+        """As near to wrenches (6n,) that are wanted as one call may come, straight from the last."""
+        with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
+            part = np.nan_to_num(self.step / np.abs(wanted - last), nan=np.inf, posinf=np.inf).min()
+        return wanted if part >= 1.0 else last + part * (wanted - last)
+
     def shrink(self, wrenches: Array, factor: float) -> float:
         """The smallest factor from `factor` on by which wrenches (6n,) may be scaled in one call."""
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
