@@ -27,7 +27,7 @@ from .contacts.contact_regions import DISTANCE_TOLERANCE
 from .limits import CartLimit
 from .limits.robust import RobustLimits
 from .objectives import Objective
-from .plan import TIMEOUT, UNPLANNED, Plan
+from .plan import RELAXED, TIMEOUT, UNPLANNED, Plan
 from .quadratic_program import INFEASIBLE, NUMERICAL
 from .solvers import solve_with_clarabel
 from .tick.answers import Solved, proof_of
@@ -37,7 +37,7 @@ from .tick.next_problem import next_problem
 from .tick.plan_inputs import RefusedError, read_beside, read_wrench
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
-from .tick.stopping import stopping_plan
+from .tick.stopping import Stop, Stopping
 from .tick.tick_state import Settings, TickState
 
 if TYPE_CHECKING:
@@ -124,6 +124,11 @@ class WrenchPlanner:
         """Whether its limits or its objective look at the cart as estimated last."""
         return bool(self._made.cart_limits.limits) or self._now.terms.base.looks_at_wheels
 
+    @property
+    def confidence(self) -> float | None:
+        """With which limits of the cart hold."""
+        return self._made.cart_limits.confidence
+
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
         self._now.reset()
@@ -200,7 +205,7 @@ class WrenchPlanner:
         contacts: Mapping[str, ArrayLike] | None = None,
         estimate: Estimate | None = None,
         arms: Sequence[Arm] | None = None,
-        stop: Callable[[], ArrayLike] | None = None,
+        stop: Stop | None = None,
         beside: ContactWrenches | None = None,
     ) -> Plan:
         """As `plan` but for the search for better contacts, and a safe wrench whatever the status: where there is
@@ -210,30 +215,31 @@ class WrenchPlanner:
         they are asked for.
 
         Args:
-            stop: Gives the wrench (3,) in {b} that would bring the cart to rest. Where no wrench keeps the limits of
-                the cart on the floor, `held` is that, as far as the arms can give it, with as much of the margins as
-                leave it; where it is beyond the limits themselves, the nearest within; else whatever they are.
+            stop: Gives the wrench (3,) in {b} under which velocities fade at a share (0 to 1) of the rate that brings
+                the cart to rest. Margins then give way where they leave no gentle stop (stopping.py), which
+                `Plan.stops` says; and where no wrench keeps the limits, `held` is the stop.
             beside: What others give the cart this tick: part of `wrench`, of `Plan.cart_wrench` and of what limits of
                 the cart on the floor hold for."""
         plan = self._plan(wrench, contacts, estimate, arms, beside, at_once=True)
         now, terms = self._now, self._now.terms
-        if plan.is_usable:
-            now.stop_share = 1.0
-            return plan
-        told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms, "beside": terms.beside}
-        if stop is not None and plan.status in UNPLANNED and terms.limits_floor:
+        if stop is not None and terms.limits_floor and plan.status in (RELAXED, *UNPLANNED):
 
             def planned(wanted: ArrayLike, exact: bool) -> Plan:
                 return self._plan(wanted, contacts, None, None, beside, at_once=True, exact=exact)
 
-            asked, stopping = self._asked, stopping_plan(now, stop(), planned)
+            asked = self._asked
+            before = now.before if plan.is_usable else shallow_copy(now.last)
+            plan = Stopping(now, before, now.stop_share, stop, planned).of(plan, asked)
             self._asked = asked
-            if stopping is not None:
-                return Plan.of(vars(plan) | told | stopping)
-        now.remember(terms.shrink(now.last.wrenches, self._decay) * now.last.wrenches, now.last.contacts)
-        by_arm, points = now.answers.by_arm, now.last.contacts_or(terms.first)
-        held = ContactWrenches(by_arm(now.last.wrenches), by_arm(points), terms.yaws)
-        return Plan.of(vars(plan) | told | {"held": held})
+        now.stop_share = now.stop_share if plan.stops else 1.0
+        if plan.is_usable:
+            return plan
+        told = {"wheel_forces": terms.wheel_forces, "arms": terms.base.arms, "beside": terms.beside}
+        if plan.held is None:
+            now.remember(terms.shrink(now.last.wrenches, self._decay) * now.last.wrenches, now.last.contacts)
+            by_arm, points = now.answers.by_arm, now.last.contacts_or(terms.first)
+            told["held"] = ContactWrenches(by_arm(now.last.wrenches), by_arm(points), terms.yaws)
+        return Plan.of(vars(plan) | told)
 
     def _plan(
         self,

@@ -63,13 +63,46 @@ def simulate(
             help="Where hands hold: fixed, periodic, least-effort, teach or schedule; a regrasp takes its time.",
         ),
     ] = "fixed",
+    skid: Annotated[
+        float | None,
+        typer.Option("--skid", metavar="<friction>", help="Keep the wheels from skidding on such a floor."),
+    ] = None,
+    tip_over: Annotated[
+        float | None, typer.Option("--tip-over", metavar="<N>", help="Keep so much load on each wheel.")
+    ] = None,
+    confidence: Annotated[
+        float | None, typer.Option("--confidence", help="With which these hold, as the filter knows the cart: 0.99.")
+    ] = None,
+    caution: Annotated[
+        bool, typer.Option("--caution", metavar="", help="Slow down while the estimate's health is not ok.")
+    ] = False,
+    disturbances: Annotated[
+        bool, typer.Option("--disturbances", metavar="", help="Tell and answer what pushes beside all that is known.")
+    ] = False,
     seed: Seed = 0,
     json: Json = False,
 ) -> None:
     """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
     from . import simulate as command
 
-    choice = command.Choice(cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed, contacts)
+    choice = command.Choice(
+        cart,
+        guess,
+        path,
+        reference,
+        plant,
+        arms,
+        speed,
+        force_noise,
+        learn,
+        seed,
+        contacts,
+        skid,
+        tip_over,
+        confidence,
+        caution,
+        disturbances,
+    )
     raise typer.Exit(command.run(choice, out, json))
 
 

@@ -8,7 +8,7 @@ from pathlib import Path
 import numpy as np
 
 from estimation import FilterNoise
-from planning import Choosing, RegraspTimes
+from planning import CartLimit, Caution, Choosing, FloorLimit, RegraspTimes, Skid, TipOver
 from planning.contact_sources.ways import FIXED
 
 from ..arms import Arm
@@ -16,6 +16,7 @@ from ..cart_file import load_cart
 from ..constraints import RollingConstraints
 from ..errors import UsageError
 from ..information import WrenchNoise
+from ..model import CartModel
 from ..reference_file import StoredReference, read_reference
 from ..simulation.sensors import SensorNoise
 from ..studies.named_paths import named_path
@@ -28,6 +29,7 @@ from .run_tables import print_run
 
 APART = 0.1
 """m along the handle, between the places where a hand may hold."""
+CONFIDENCES = 0.5, 1.0
 LARGEST_FORCE, LARGEST_MOMENT, MOST_NOISE = 150.0, 40.0, 1e4
 
 
@@ -46,6 +48,11 @@ class Choice:
     learn: bool
     seed: int
     contacts: str = FIXED
+    skid: float | None = None
+    tip_over: float | None = None
+    confidence: float | None = None
+    caution: bool = False
+    disturbances: bool = False
 
 
 def run(choice: Choice, out: Path, as_json: bool) -> int:
@@ -93,6 +100,10 @@ def build_scenario(choice: Choice) -> Scenario:
         contacts=choice.contacts,
         choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=APART / 2),
         regrasp=RegraspTimes(),
+        cart_limits=_cart_limits(choice, guess),
+        confidence=choice.confidence,
+        caution=Caution() if choice.caution else None,
+        disturbances=choice.disturbances,
         stretches=way.stretches,
         start_pose=way.start,
         sensors=sensors,
@@ -102,6 +113,23 @@ def build_scenario(choice: Choice) -> Scenario:
         gains=FIRM,
         seed=choice.seed,
     )
+
+
+def _cart_limits(choice: Choice, guess: CartModel) -> tuple[CartLimit, ...]:
+    limits: list[FloorLimit] = []
+    for option, limit, value in (("skid", Skid, choice.skid), ("tip-over", TipOver, choice.tip_over)):
+        if value is None:
+            continue
+        try:
+            limits.append(limit(value))
+            limits[-1].on_floor(guess)
+        except UsageError as error:
+            raise UsageError(f"--{option}: {error}") from error
+    if choice.confidence is not None and not limits:
+        raise UsageError("--confidence: is of limits of the cart; give --skid or --tip-over beside it")
+    if choice.confidence is not None and not CONFIDENCES[0] <= choice.confidence < CONFIDENCES[1]:
+        raise UsageError(f"--confidence {choice.confidence:g}: give {CONFIDENCES[0]:g} to below {CONFIDENCES[1]:g}")
+    return tuple(limits)
 
 
 def _arms(count: int) -> tuple[Arm, ...]:

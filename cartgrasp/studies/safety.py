@@ -12,18 +12,19 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import inf
+from typing import Any
 
 import numpy as np
 
 from estimation import FilterNoise
-from planning import Skid, TipOver
+from planning import Caution, Skid, TipOver
 from planning.references import PathReference, Stretch, pause
 
 from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..contacts import ContactWrenches
 from ..effects import RollingResistance, ViscousDrag
-from ..errors import PlantError
+from ..errors import PlantError, UsageError
 from ..first_guess import FirstGuess
 from ..floor_reaction import FloorReaction
 from ..frames import Array
@@ -41,7 +42,12 @@ BLIND, GUESSED, ESTIMATED, SURE, KNOWN = (
     *("no limits", "limits of the first guess", "limits of the estimate"),
     *("limits of the estimate, 99 %", "limits of the true cart"),
 )
-WAYS = (BLIND, GUESSED, ESTIMATED, SURE, KNOWN)
+TWICE, THRICE = "99 %, guess twice as unsure", "99 %, guess three times as unsure"
+WAYS = (BLIND, GUESSED, ESTIMATED, SURE, TWICE, THRICE, KNOWN)
+TIMES = {TWICE: 2.0, THRICE: 3.0}
+"""As wide deviations of the first guess, with which margins give way, and a cautious controller slows down."""
+MOST_LATE = 10.0
+"""s that such a cart may be late."""
 CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 5.0, 0.5
 LIMITS = (TipOver(LEAST_LOAD), Skid(FRICTION))
 DISTURBANCE = 0.5
@@ -66,8 +72,9 @@ WAIT, THERE, STILL = 2.0, 0.05, 0.05
 """s that a cart may be late, m from the end at which it has arrived, m/s."""
 
 
-def drawn(seed: int) -> tuple[CartModel, CartModel]:
-    """A cart, and what is believed of it at first."""
+def drawn(seed: int, times: float = 1.0) -> tuple[CartModel, CartModel]:
+    """A cart, and what is believed of it at first, with `times` the usual deviations; beliefs in what is no cart are
+    drawn again."""
     random = np.random.default_rng([7, seed])
     while True:
         mass, x, y, height = (random.uniform(*span) for span in (MASS, COM_X, COM_Y, HEIGHTS))
@@ -76,8 +83,13 @@ def drawn(seed: int) -> tuple[CartModel, CartModel]:
             break
     body = truth.inertia
     values = np.array([body.mass, *body.com, body.about_com])
-    std = np.array(UNSURE) * [body.mass, 1.0, 1.0, body.about_com]
-    guess = _cart(values + std * random.normal(size=4).clip(-2.5, 2.5), height)
+    std = times * np.array(UNSURE) * [body.mass, 1.0, 1.0, body.about_com]
+    while True:
+        try:
+            guess = _cart(values + std * random.normal(size=4).clip(-2.5, 2.5), height)
+            break
+        except UsageError:
+            continue
     told = tuple(zip(("mass", "com_x", "com_y", "inertia"), std.tolist(), strict=True))
     return truth, replace(guess, first_guess=FirstGuess(told))
 
@@ -165,16 +177,18 @@ def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenari
 
 def drive(seed: int, way: str, duration: float | None = None) -> Run:
     """One run, whole or of a duration (s)."""
-    truth, guess = drawn(seed)
+    truth, guess = drawn(seed, TIMES.get(way, 1.0))
     made = scenario(truth, guess, way, seed)
-    limits = {"cart_limits": () if way == BLIND else LIMITS, "confidence": CONFIDENCE if way == SURE else None}
+    sure = CONFIDENCE if way in (SURE, *TIMES) else None
+    limits: dict[str, Any] = {"cart_limits": () if way == BLIND else LIMITS, "confidence": sure}
+    limits |= {"caution": Caution() if way in TIMES else None}
     plant, end = WatchedPlant(truth), PathReference(PATH)
     controller = made.controller(**limits)
     controller.warm_up()
     loop = Loop(controller, plant, Sensors(truth, made.sensors, seed))
     fell = False
     try:
-        run(loop, end.duration + WAIT if duration is None else duration)
+        run(loop, end.duration + (MOST_LATE if way in TIMES else WAIT) if duration is None else duration)
     except PlantError:
         fell = True
     goal, period = end.at(end.duration).pose_sb[:2], made.period

@@ -8,8 +8,8 @@ from typing import Any
 
 import numpy as np
 
-from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from planning import Choosing, Controller, RegraspTimes
+from estimation import CartFilter, DisturbedFilter, FilterNoise, PaperFilter, Prior
+from planning import CartLimit, Caution, Choosing, Controller, RegraspTimes
 from planning.contact_sources.ways import FIXED
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
@@ -35,7 +35,8 @@ class Scenario:
     """`truth` is what is pushed, `guess` what is believed at first. `estimation` is LEARNING, FIRST_GUESS (the
     parameters stay as guessed, only the motion is filtered) or PAPER. `contacts` is the way in which the arms choose
     where to hold, by its name, `choosing` what it may ask and spend; without `regrasp` hands are there at once, as in
-    the paper."""
+    the paper. `cart_limits`, `confidence` and `caution` are the controller's; with `disturbances` the filter tells what
+    pushes beside all that is known, and the arms answer it."""
 
     truth: CartModel
     guess: CartModel
@@ -49,6 +50,10 @@ class Scenario:
     contacts: str = FIXED
     choosing: Choosing = USUAL
     regrasp: RegraspTimes | None = None
+    cart_limits: tuple[CartLimit, ...] = ()
+    confidence: float | None = None
+    caution: Caution | None = None
+    disturbances: bool = False
     gains: Gains = Gains()
     period: float = 0.01
     plant_timestep: float | None = None
@@ -71,6 +76,9 @@ class Scenario:
             "contacts": self.contacts,
             "choosing": self.choosing,
             "regrasp": self.regrasp,
+            "cart_limits": self.cart_limits,
+            "confidence": self.confidence,
+            "caution": self.caution,
             "gains": self.gains,
             "estimator": self._estimator(),
             "period": self.period,
@@ -99,7 +107,9 @@ class Scenario:
     def _estimator(self) -> Estimator:
         names = [arm.name for arm in self.arms]
         yaws = {arm.name: arm.yaw for arm in self.arms}
-        kind = PaperFilter if self.estimation == PAPER else CartFilter
+        if self.disturbances and self.estimation == PAPER:
+            raise UsageError(f"disturbances: {PAPER} tells none; leave them out, or learn")
+        kind = PaperFilter if self.estimation == PAPER else DisturbedFilter if self.disturbances else CartFilter
         return kind(self.guess, names, noise=self.noise, prior=self.prior, yaws=yaws)
 
 

@@ -24,12 +24,13 @@ HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsisten
 @dataclass(frozen=True)
 class Caution:
     """By the estimate's health, of which those left out change nothing. The cart also stops along its path while no
-    plan can be given, and while it is behind.
+    plan can be given, and while it is behind. After `load_changed` the filter's own deviations are as wide as needed.
 
     Args:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
+        short: Share of the reference's speed while not all of the margins can be kept.
         behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
             path no waiting helps: wheels that don't slip get back to it by going on.
 
@@ -49,6 +50,7 @@ class Caution:
     )
     widen: Mapping[str, float] = field(default_factory=lambda: {"inconsistent": 2.0, "outliers": 1.5, "no_wrench": 1.5})
     change: float = 0.5
+    short: float = 0.5
     behind: float = 0.3
 
     def __post_init__(self) -> None:
@@ -59,18 +61,28 @@ class Caution:
                 check_known(f"caution: {name}", [health], HEALTHS)
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, QUICKEST, "give 1/s")
+        number("caution: short", self.short, 0.0, 1.0)
         positive("caution: behind", self.behind, FARTHEST, "give m")
 
-    def wanted(self, health: str, status: str, away: float) -> tuple[float, str]:
-        """The share of its speed at which the reference is to go on, and why not at all of it; `status` is the last
-        plan's, `away` how far (m) along the path the cart is from where it was to be."""
+    def wanted(self, health: str, last: tuple[str, str], away: float) -> tuple[float, str]:
+        """The share of its speed at which the reference is to go on, and why not at all of it; of the `last` plan there
+        are status and what it says of margins; `away` is how far (m) along the path the cart is from where it was to
+        be."""
+        status, margins = last
         share = self.pace.get(health, 1.0)
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: health {health}")]
+        if margins:
+            reasons.append((self.short, f"slows to {100 * self.short:.0f} % of its speed"))
         if status not in USABLE:
             reasons.append((0.0, f"stops: the plan is {status}"))
         if away > self.behind:
             reasons.append((0.0, f"waits for the cart, which is {away:.2g} m away"))
         return min(reasons, key=itemgetter(0))
+
+    def wider(self, health: str) -> str:
+        """In words, how many times as wide margins are; empty where they are as they were."""
+        times = self.widen.get(health, 1.0)
+        return "" if times == 1.0 else f"keeps {times:g} times the margins: health {health}"
 
     def widened(self, estimate: Estimate) -> Estimate:
         """The estimate with a covariance that is as much wider."""

@@ -27,13 +27,15 @@ from ..contact_sources.ways import FIXED
 from ..limits import CartLimit
 from ..objectives import Objective
 from ..planner import LONGEST_PERIOD, WrenchPlanner
+from ..quadratic_program import OPTIMAL
+from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
 from .caution import AWAY, Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
-from .regrasps import Given, Regrasps, Wanted
+from .regrasps import Given, Regrasps
 from .rejection import Rejection
 from .saved import Saved, as_first_guess, read_saved
 from .step import Step
@@ -45,9 +47,10 @@ if TYPE_CHECKING:
 ASTRAY = ("stale", "clock_went_back")
 LOST = (*ASTRAY, "no_wrench")
 """Healths under which no hand lets go."""
+OK = "ok"
 WAITS = "waits for a first pose"
 FARTHEST_DRIFT = 10.0
-USUAL, AS_CHOSEN, REJECTS = RegraspTimes(), Choosing(), Rejection()
+USUAL, AS_CHOSEN, CAREFUL, REJECTS = RegraspTimes(), Choosing(), Caution(), Rejection()
 
 
 class Controller:
@@ -105,7 +108,7 @@ class Controller:
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
         confidence: float | None = None,
-        caution: Caution | None = None,
+        caution: Caution | None = CAREFUL,
         rejection: Rejection | None = REJECTS,
         drift: float = 0.05,
         gains: Gains | None = None,
@@ -139,6 +142,7 @@ class Controller:
         elif cart_limits or confidence is not None or objective is not None:
             raise UsageError("controller: objective, cart_limits and confidence are the planner's; give them to yours")
         self._planner, self._caution, self._rejection = planner, caution, rejection
+        self._has_margins = isinstance(planner, WrenchPlanner) and planner.confidence is not None
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
         self._names = frozenset(arm.name for arm in self._arms)
@@ -192,8 +196,8 @@ class Controller:
             plan = self._planned(wanted, chosen.contacts, told, stop)
             given = Given(plan.contact_wrenches, plan)
         else:
-            ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told)
-            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health), stop)
+            ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told, stop)
+            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
         self._time, self._held = time, given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
         self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed)
@@ -264,11 +268,13 @@ class Controller:
         if caution is None:
             self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
             return self._pace.reference(self.reference, time), self._pace.along, "" if self._knows_where else WAITS
-        status, away = "optimal", 0.0
+        planned, away, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
-            status = last.plan.status
+            planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
             away = _along(last.reference.pose_sb, estimate.motion.pose_sb)
-        wanted, slowed = caution.wanted(estimate.health, status, away) if self._knows_where else (0.0, WAITS)
+        wanted, slowed = caution.wanted(health, planned, away) if self._knows_where else (0.0, WAITS)
+        if self._has_margins and (wider := caution.wider(health)):
+            slowed = f"{slowed}; {wider}" if slowed else wider
         self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
         return self._pace.reference(self.reference, time), self._pace.along, slowed
 
@@ -290,15 +296,15 @@ class Controller:
             return np.zeros(3)
         return self.cart.planar_wrench(self._rejection.fed_forward(estimate.disturbance))
 
-    def _braking(self, believed: Estimate, model: CartModel, time: float) -> Wanted | None:
-        """What brings the cart to rest; None where nobody knows how it moves."""
-        if not self._needs_estimate or not self._knows_where or believed.health in LOST:
+    def _braking(self, believed: Estimate, model: CartModel, time: float) -> Stop | None:
+        """What brings the cart to rest; where nobody knows how it moves, nothing is what stops it."""
+        if not self._needs_estimate:
             return None
-        return lambda: braking_wrench(model, believed.motion, time) + self._against(believed)
+        if not self._knows_where or believed.health in ASTRAY:
+            return lambda share: np.zeros(3)
+        return lambda share: braking_wrench(model, believed.motion, time, share) + self._against(believed)
 
-    def _planned(
-        self, wanted: Array, contacts: Mapping[str, Array], told: Estimate | None, stop: Wanted | None
-    ) -> Plan:
+    def _planned(self, wanted: Array, contacts: Mapping[str, Array], told: Estimate | None, stop: Stop | None) -> Plan:
         if isinstance(self._planner, WrenchPlanner):
             return self._planner.plan_or_hold(wanted, contacts, told, stop=stop)
         return self._planner.plan_or_hold(wanted, contacts, told)
@@ -309,9 +315,7 @@ class Controller:
             return None if estimate.health in ASTRAY else estimate
         return estimate if self._caution is None else self._caution.widened(estimate)
 
-    def _with_hands(
-        self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str], stop: Wanted | None
-    ) -> Given:
+    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
         """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""
         time, health = now
         if not regrasps.hands:
@@ -319,7 +323,7 @@ class Controller:
         regrasps.go_on(max(0.0, time - self._time))
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
-        return regrasps.plan(ahead.wrench_b, ahead.estimate, stop)
+        return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
 
 
 def _along(reference_sb: Array, pose_sb: Array) -> float:

@@ -20,6 +20,7 @@ if TYPE_CHECKING:
     from cartgrasp.roles import ReferencePath
 
     from ..planner import WrenchPlanner
+    from ..tick.stopping import Stop
 
 LOOKS = 6
 """Times within a regrasp at which the others' plans are made ahead."""
@@ -28,7 +29,8 @@ COAST_STEP = 0.01  # s
 
 class Ahead(NamedTuple):
     """What is known of the time to come: the reference, the cart as it is believed to be and to move at `time` (s), and
-    the wrench (3,) in {b} that it is to feel now; `estimate` is for planners with limits of the cart."""
+    the wrench (3,) in {b} that it is to feel now; `estimate`, and what would `stop` it, are for planners with limits of
+    the cart."""
 
     reference: ReferencePath
     cart: CartModel
@@ -36,6 +38,7 @@ class Ahead(NamedTuple):
     time: float
     wrench_b: Array
     estimate: Estimate | None = None
+    stop: Stop | None = None
 
 
 def why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:
@@ -43,7 +46,7 @@ def why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahe
     times = ahead.time + np.linspace(0.0, lasting, LOOKS)
     wrenches = [ahead.wrench_b, *(wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())]
     for wrench in wrenches:
-        if planner.plan(wrench, contacts, ahead.estimate).status != OPTIMAL:
+        if planner.plan_or_hold(wrench, contacts, ahead.estimate, stop=ahead.stop).status != OPTIMAL:
             force, moment = float(np.hypot(*wrench[:2])), float(wrench[2])
             return f"the others can't bear {force:.0f} N with {moment:.1f} N·m"
     return ""

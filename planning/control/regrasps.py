@@ -8,7 +8,7 @@ rate of change is limited, a ramp takes as long as that needs.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -22,16 +22,13 @@ from cartgrasp.roles import Plan as AnyPlan
 from ..limits import WrenchRate
 from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
+from ..tick.stopping import Stop
 from ..tick.terms import why_no_posture
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
 from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
 
 RETRY = 0.2  # s until a hand that may not let go is asked again
 ALONE = "no other hand holds: the cart coasts"
-
-
-Wanted = Callable[[], Array]
-"""A planar wrench (3,) in {b}, worked out when it is asked for."""
 
 
 class Given(NamedTuple):
@@ -110,7 +107,7 @@ class Regrasps:
         """The arm whose hand does not hold wholly."""
         return next((name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS), None)
 
-    def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Wanted | None = None) -> Given:
+    def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Stop | None = None) -> Given:
         """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart, and
         `stop` says which wrench (3,) brings it to rest where nothing is within these."""
         name, contacts = self.busy, self.contacts
@@ -126,7 +123,7 @@ class Regrasps:
         return Given(given, plan)
 
     def _shared(
-        self, name: str, wrench_b: Array, estimate: Estimate | None, stop: Wanted | None
+        self, name: str, wrench_b: Array, estimate: Estimate | None, stop: Stop | None
     ) -> tuple[Plan, ContactWrenches]:
         share, own, contacts = self.hands[name].share, np.zeros(6), self.contacts
         if share > 0:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -18,14 +18,15 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
-from ..limits import CartLimit, InternalForce, Pushed, SideForce, Skid, TipOver
+from ..limits import CartLimit
 from ..objectives import Objective
 from ..plan import Plan
 from ..planner import WrenchPlanner
 from .problem_arms import arms_of
 from .problem_estimate import estimate_of
+from .problem_limits import cart_limits_of
 from .problem_objective import Refuse, objective_of
-from .problem_schema import ArmEntry, CartLimitsEntry, ProblemEntry
+from .problem_schema import ArmEntry, ProblemEntry
 
 
 @dataclass(frozen=True)
@@ -85,7 +86,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         arms=tuple(arms),
         wrench=(fx, fy, tau),
         min_hand_distance=entry.min_hand_distance,
-        cart_limits=_cart_limits(entry.cart_limits, cart, arms, refuse),
+        cart_limits=cart_limits_of(entry.cart_limits, (cart, arms), ["cart_limits"], refuse),
         relax=entry.relax,
         period=entry.period,
         last={arm.name: arm.rate.last for arm in entry.arms if arm.rate is not None},
@@ -104,30 +105,6 @@ def _cart(entry: Any, document: CommentedMap, path: Path, refuse: Refuse) -> Car
     if isinstance(entry, dict):
         return cart_from_document(document["cart"], str(path), ["cart"])
     raise refuse(["cart"], f"{entry!r} is neither the path of a cart file nor a mapping")
-
-
-def _cart_limits(entry: CartLimitsEntry, cart: CartModel, arms: Sequence[Arm], refuse: Refuse) -> tuple[CartLimit, ...]:
-    limits: list[tuple[str, Callable[[], CartLimit]]] = []
-    if entry.skid is not None:
-        friction = entry.skid.friction
-        limits.append(("skid", lambda: Skid(friction)))
-    if entry.tip_over is not None:
-        least = entry.tip_over.least_load
-        limits.append(("tip_over", lambda: TipOver(least)))
-    if entry.side_force is not None:
-        most = entry.side_force.bound
-        limits.append(("side_force", lambda: SideForce(most)))
-    if entry.internal_force is not None:
-        bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
-        limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
-    found, pushed = [], Pushed(cart, None, arms)
-    for key, make in limits:
-        try:
-            found.append(make())
-            found[-1].rows(pushed)
-        except UsageError as error:
-            raise refuse(["cart_limits", key], str(error)) from error
-    return tuple(found)
 
 
 def _solver(name: str | None, refuse: Refuse) -> str | None:

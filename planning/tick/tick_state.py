@@ -61,7 +61,7 @@ class TickState:
     """What is kept for `arms`, or for those of them that hold now; `is_warm` says whether kernels may be used."""
 
     def __init__(self, settings: Settings, arms: Sequence[Arm]) -> None:
-        self._settings, self.is_warm, self.last = settings, False, LastPlan(0)
+        self._settings, self.is_warm, self.last, self.before = settings, False, LastPlan(0), LastPlan(0)
         self.newest_estimate = -math.inf
         self.stop_share = 1.0  # of the margins, with which the last tick without a plan stopped the cart
         self.solver = QuadraticSolver(name=settings.solver)
@@ -150,6 +150,7 @@ class TickState:
 
     def remember(self, wrenches: Array, contacts: Array) -> None:
         """What was given last (6n,), at contacts (n, 3)."""
+        self.before = shallow_copy(self.last)
         self.last.wrenches, self.last.contacts = wrenches, contacts
         if self.terms.looks_back:
             self.look_back_at(wrenches)

@@ -262,6 +262,9 @@ def test_simulate_refuses(capsys, tmp_path):
         (["--force-noise", "nan"], ["--force-noise nan"]),
         (["--force-noise", "inf"], ["--force-noise inf"]),
         (["--force-noise", "1e300"], ["--force-noise 1e+300", "0 to 10000 N"]),
+        (["--confidence", "0.99"], ["--confidence", "--skid or --tip-over"]),
+        (["--tip-over", "5", "--confidence", "1.5"], ["--confidence 1.5", "0.5 to below 1"]),
+        (["--skid", "-1"], ["--skid", "friction"]),
         (["--guess", str(rail)], ["--guess", "constraints"]),
         (["--guess", str(tmp_path / "no.yaml")], ["no.yaml"]),
     ):
@@ -283,6 +286,22 @@ def test_simulate_leaves_a_log_that_estimate_reads(capsys, monkeypatch, tmp_path
     answer = run(capsys, "estimate", out / "run.csv", "--cart", tmp_path / "cart.yaml", "--json")
     assert answer.status == 0
     assert answer.json["parameters"]["mass"]["value"] == pytest.approx(24, rel=0.2)
+
+
+def test_simulate_keeps_limits_of_the_cart(capsys, monkeypatch, tmp_path):
+    """Less load on the wheel that bears least, where nothing keeps it; and what pushes beside is looked for."""
+    from planning.references import chain, pause, straight
+
+    (tmp_path / "cart.yaml").write_text(CART)
+    monkeypatch.setattr(simulate, "named_path", lambda *a: chain(straight(1.0, 0.8, 1.2), pause(0.2)))
+    told = []
+    for more in ([], ["--skid", "0.6", "--tip-over", "30", "--confidence", "0.9", "--caution", "--disturbances"]):
+        out = tmp_path / f"run{len(told)}"
+        answer = run(capsys, "simulate", "--cart", tmp_path / "cart.yaml", "--out", out, "--json", *more)
+        assert answer.status == 0
+        log = read_log(out / "run.csv")
+        told.append(min(sum(arm.wrench[:, 0] for arm in log.arms.values())))
+    assert told[1] > 0.9 * told[0]  # pulls back less
 
 
 @pytest.mark.parametrize("way", ["periodic", "least-effort", "teach", "schedule"])

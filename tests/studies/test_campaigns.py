@@ -26,6 +26,7 @@ from cartgrasp.studies.campaigns.results import Results
 from cartgrasp.studies.campaigns.study_file import read_study
 from cartgrasp.studies.campaigns.summary import ParameterSummary, RunsSummary
 from cartgrasp.studies.campaigns.workers import here, on_cluster, over_cores
+from cartgrasp.studies.compiled_loop.loop import covers
 
 from ..cli.commands import CART, ROOT
 from .campaign_jobs import Squares
@@ -194,6 +195,36 @@ def test_runs_that_choose_their_contacts(tmp_path):
         assert run["regrasps"] <= (way != "fixed") * 4
 
 
+def test_runs_with_limits_of_the_cart_caution_and_disturbances(tmp_path):
+    """The hands pull back no harder than the load asked for on each wheel allows."""
+    path = "path: [{duration: 0.5, acceleration: 1.2}, {duration: 0.4, acceleration: -1.5}]"
+    plain = read_study(study_file(tmp_path, STUDY.replace("duration: 0.4", path)))
+    guards = (
+        f"{path}\n  cart_limits: {{tip_over: {{least_load: 35}}}}\n  caution: {{behind: 0.5}}\n  disturbances: true"
+    )
+    study = read_study(study_file(tmp_path, STUDY.replace("duration: 0.4", guards)))
+    assert study.scenario.caution.behind == 0.5
+    assert study.told["closed_loop"]["caution"]["behind"] == 0.5
+    assert "caution" not in plain.told["closed_loop"]
+    jobs = [one.jobs()[0].scenario for one in (plain, study)]
+    assert [covers(one) for one in jobs] == [True, False]
+    least = [min(step.plan.wheel_loads.min() for step in _steps(one)) for one in jobs]
+    assert least[0] < 30.0
+    assert least[1] > 35.0 - 1e-6
+    (run, *_) = run_campaign(study, Results.under(tmp_path / "results"), here)
+    assert run["largest_error"] < 0.05
+
+
+def _steps(scenario):
+    loop = scenario.build()
+    while not loop.controller.is_done:
+        step = loop.controller.step(loop.sensors.motion(loop.plant.time, loop.plant.motion))
+        loop.controller.observe(loop.sensors.wrenches(loop.plant.time, step.given))
+        loop.plant.step(step.given, loop.controller.period)
+        assert (step.disturbance is not None) == scenario.disturbances
+        yield step
+
+
 def test_a_campaign_killed_at_any_moment_goes_on(tmp_path):
     """kill -9 while results are written: what is there is whole, and in the end all is as if nothing had been."""
     program = (
@@ -307,6 +338,14 @@ REFUSED = (
         "duration: 0.4\n  arms:\n    - {name: hand, contacts: [[-0.25, 0.0, 1.0]]",
         "contacts: schedule\n  arms:\n    - {name: hand, segment: [[-0.25, 0.0, 1.0], [-0.25, 0.1, 1.0]]",
         "closed_loop.contacts: schedule: arm hand may hold anywhere on a segment",
+    ),
+    ("duration: 0.4", "confidence: 0.99", "6:3: closed_loop.confidence: is of `cart_limits`, which are missing"),
+    ("duration: 0.4", "cart_limits: {skid: {}}", "closed_loop.cart_limits.skid.friction: is missing"),
+    ("duration: 0.4", "caution: {pace: {tired: 0.5}}", "6:3: closed_loop.caution: caution: pace: there is no 'tired'"),
+    (
+        "duration: 0.4",
+        "disturbances: true\n  estimation: paper",
+        "6:3: closed_loop.disturbances: the paper's filter tells none",
     ),
     ("cart: cart.yaml", "cart: 3", "study.yaml:5:3: closed_loop.cart: 3 is neither"),
     ("cart: cart.yaml", "cart: {mass: 3}", "study.yaml:5:9: closed_loop.cart.com: is missing"),

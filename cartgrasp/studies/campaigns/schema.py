@@ -8,14 +8,15 @@ from pydantic import Field, PositiveFloat
 
 from planning.contact_sources.choosing import Choosing
 from planning.contact_sources.ways import Way
+from planning.control.caution import Caution
 from planning.control.hand import RegraspTimes
-from planning.problem.problem_schema import ArmEntry, NotNegative, Positive
+from planning.problem.problem_schema import ArmEntry, CartLimitsEntry, NotNegative, Positive
 
 from ...yaml_file import StrictModel
 from ..scenario import FIRST_GUESS, LEARNING, PAPER
 
 ESTIMATIONS = {"learning": LEARNING, "first_guess": FIRST_GUESS, "paper": PAPER}
-CHOOSING, REGRASP = Choosing(), RegraspTimes()
+CHOOSING, REGRASP, CAUTION = Choosing(), RegraspTimes(), Caution()
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
@@ -48,6 +49,16 @@ class RegraspEntry(StrictModel):
     unload: NotNegative = REGRASP.unload
     take_hold: NotNegative = REGRASP.take_hold
     load: NotNegative = REGRASP.load
+
+
+class CautionEntry(StrictModel):
+    """The settings of `Caution`."""
+
+    pace: dict[str, float] = Field(default_factory=lambda: dict(CAUTION.pace))
+    widen: dict[str, float] = Field(default_factory=lambda: dict(CAUTION.widen))
+    change: Positive = CAUTION.change
+    short: NotNegative = CAUTION.short
+    behind: Positive = CAUTION.behind
 
 
 class GainsEntry(StrictModel):
@@ -101,6 +112,10 @@ class ClosedLoopEntry(StrictModel):
     contacts: Way | None = None
     choosing: ChoosingEntry | None = None
     regrasp: RegraspEntry | None = None
+    cart_limits: CartLimitsEntry | None = None
+    confidence: Annotated[float, Field(ge=0.5, lt=1.0)] | None = None
+    caution: CautionEntry | None = None
+    disturbances: bool = False
     estimation: Literal["learning", "first_guess", "paper"] = "learning"
     known: list[str] = Field(default_factory=list)
     gains: GainsEntry = GainsEntry()

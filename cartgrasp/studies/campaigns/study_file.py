@@ -11,9 +11,10 @@ from typing import Any
 from ruamel.yaml.comments import CommentedMap
 
 from estimation import FilterNoise, Prior
-from planning import Choosing, RegraspTimes
+from planning import CartLimit, Caution, Choosing, RegraspTimes
 from planning.contact_sources.ways import LEAST_EFFORT, PERIODIC
 from planning.problem.problem_arms import arms_of
+from planning.problem.problem_limits import cart_limits_of
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 
@@ -44,6 +45,8 @@ SHARED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment
 """What filter and sensors both have."""
 NEWER = ("contacts", "choosing", "regrasp")
 """Keys that hashes of studies without `contacts` don't know."""
+GUARDS = ("cart_limits", "confidence", "caution", "disturbances")
+"""Keys that hashes of studies without them don't know."""
 MOST_STEPS, MOST_WITHIN = 1_000_000, 1_000
 """Periods of control in a run, and steps of the plant in one of them."""
 
@@ -100,7 +103,8 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
     if guess.constraints != truth.constraints:
         raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
     scenario = _scenario(loop, truth, guess, carts)
-    told = loop.model_dump(mode="json", exclude={"cart", "guess", *(NEWER if loop.contacts is None else ())})
+    unknown = [*(NEWER if loop.contacts is None else ()), *(key for key in GUARDS if not getattr(loop, key))]
+    told = loop.model_dump(mode="json", exclude={"cart", "guess", *unknown})
     told["arms"] = [_told_arm(arm, carts.path.parent) for arm in told["arms"]]
     drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
     return ClosedLoopStudy(
@@ -136,7 +140,26 @@ def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, carts: 
         plant_timestep=loop.plant_timestep,
         duration=loop.duration,
     )
-    return _with_contacts(scenario, loop, refuse)
+    return _with_contacts(_guarded(scenario, loop, refuse), loop, refuse)
+
+
+def _guarded(scenario: Scenario, loop: ClosedLoopEntry, refuse: Refuse) -> Scenario:
+    """With limits of the cart, caution, and an answer to disturbances."""
+    limits: tuple[CartLimit, ...] = ()
+    if loop.cart_limits is not None:
+        where: list[str | int] = ["closed_loop", "cart_limits"]
+        limits = cart_limits_of(loop.cart_limits, (scenario.guess, scenario.arms), where, refuse)
+    if loop.confidence is not None and not limits:
+        raise refuse(["closed_loop", "confidence"], "is of `cart_limits`, which are missing; write `tip_over: {}`, say")
+    if loop.disturbances and loop.estimation == "paper":
+        raise refuse(["closed_loop", "disturbances"], "the paper's filter tells none; write `estimation: learning`")
+    try:
+        caution = None if loop.caution is None else Caution(**loop.caution.model_dump())
+    except UsageError as error:
+        raise refuse(["closed_loop", "caution"], str(error)) from error
+    return replace(
+        scenario, cart_limits=limits, confidence=loop.confidence, caution=caution, disturbances=loop.disturbances
+    )
 
 
 def _with_contacts(scenario: Scenario, loop: ClosedLoopEntry, refuse: Refuse) -> Scenario:

@@ -43,12 +43,14 @@ ROOM = 8
 def covers(scenario: Scenario) -> bool:
     """Whether `compiled_run` does what `Scenario.run` does: our plant, a cart that is steered and meets no stop,
     effects with kernels, none of sensors, a filter that learns from noisy wrenches, contacts that are fixed or go
-    round at once, linear limits."""
+    round at once, linear limits, none of the cart, no caution."""
     truth, guess = scenario.truth, scenario.guess
     if walls_of(truth) or any(effect.quickness(1.0) for effect, _, _ in truth.force_effects):
         return False
     at_once = scenario.contacts == FIXED or (scenario.contacts == PERIODIC and scenario.regrasp is None)
     if scenario.estimation != LEARNING or scenario.plant != MODEL_PLANT or not at_once:
+        return False
+    if scenario.cart_limits or scenario.caution is not None or scenario.disturbances:
         return False
     plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))
     steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD

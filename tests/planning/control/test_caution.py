@@ -88,14 +88,14 @@ def controller(**options):
 @pytest.mark.long
 def test_a_cart_whose_pose_is_lost_comes_to_rest():
     """Within 2 s of being told, and near its path; it goes on where it is seen again."""
-    told = drive(controller(caution=Caution()), 6.0, lambda time: 2.0 < time < 5.5)
+    told = drive(controller(), 6.0, lambda time: 2.0 < time < 5.5)
     late = [(step, motion) for step, motion in told if 4.8 < step.time < 5.4]
     assert all(step.health == "stale" for step, _ in late)
     assert all(abs(motion.velocity[0]) < 0.05 for _, motion in late)
     assert all(step.words.endswith("slows to 0 % of its speed: health stale") for step, _ in late)
     assert all(np.linalg.norm(m.pose_sb[:2] - s.reference.pose_sb[:2]) < 0.05 for s, m in late)
     assert max(abs(one.velocity[0]) for _, one in told[-20:]) > 0.0
-    plain = drive(controller(), 4.8, lambda time: 2.0 < time < 5.5)
+    plain = drive(controller(caution=None), 4.8, lambda time: 2.0 < time < 5.5)
     assert abs(plain[-1][1].velocity[0]) > 0.2, "without caution it drives on"
 
 
@@ -111,7 +111,7 @@ def test_what_wrong_sensors_taught_is_not_acted_on(factor):
 
 
 def test_where_all_is_well_caution_changes_nothing():
-    one, other = drive(controller(caution=Caution()), 2.0), drive(controller(), 2.0)
+    one, other = drive(controller(caution=Caution()), 2.0), drive(controller(caution=None), 2.0)
     assert {step.health for step, _ in one} <= {"ok", "no_wrench"}
     for (a, _), (b, _) in zip(one[50:], other[50:], strict=True):
         assert np.allclose(a.given.wrench_b, b.given.wrench_b, atol=1.5)
@@ -146,6 +146,21 @@ def test_a_health_that_is_not_well_widens_margins():
     assert pulls[1] < pulls[0]
 
 
+@pytest.mark.parametrize(("confidence", "told"), [(0.99, True), (None, False)])
+def test_it_says_how_much_wider_margins_are(confidence, told):
+    """Where the wrenches of one arm are no longer told."""
+    made = controller(cart_limits=LIMITS, confidence=confidence)
+    plant, sensors = ModelPlant(TRUTH), Sensors(TRUTH, SensorNoise(force=1.0, moment=0.05), seed=5)
+    while plant.time < 2.0:
+        step = made.step(sensors.motion(plant.time, plant.motion))
+        if plant.time < 1.0:
+            made.observe(sensors.wrenches(plant.time, step.given))
+        plant.step(step.given, made.period)
+    assert step.health == "no_wrench"
+    assert "slows to 50 % of its speed: health no_wrench" in step.words
+    assert ("keeps 1.5 times the margins: health no_wrench" in step.words) == told
+
+
 def test_it_knows_the_healths_of_estimators():
     assert set(Health) == HEALTHS
 
@@ -176,21 +191,31 @@ def test_nothing_is_pushed_before_a_first_pose(caution):
 
 
 def test_it_stops_where_no_plan_can_be_given_and_says_why():
-    """Margins that a guess of 40 % can't hold, whatever the hands do."""
-    unsure = CartFilter(GUESS, ["left", "right"])
-    limits = {"cart_limits": [TipOver(15.0)], "confidence": 0.9999}
-    made = Controller(GUESS, arms(), PATH, estimator=unsure, caution=Caution(), **limits)
-    told = drive(made, 3.0)
-    last, motion = told[-1]
+    """A load that no wheel of the cart as believed can have, whatever the hands do."""
+    made = Controller(GUESS, arms(), PATH, estimator=CartFilter(GUESS, ["left", "right"]), cart_limits=[TipOver(200.0)])
+    last, motion = drive(made, 3.0)[-1]
     assert last.plan.status == "infeasible"
-    assert "the plan is infeasible: wheel" in last.words
+    assert "wheel 0 load" in last.words
+    assert "stops the cart beyond its limits" in last.words
     assert last.words.endswith("stops: the plan is infeasible")
     assert np.linalg.norm(last.reference.pose_sb[:2] - motion.pose_sb[:2]) < 0.3
     assert not made.is_done
 
 
-class Unsure:
-    """A filter that from 1.5 s on knows the cart so badly that no wrench keeps margins."""
+@pytest.mark.long
+@pytest.mark.parametrize(("least", "confidence"), [(15.0, 0.99), (15.0, 0.9999), (35.0, 0.9)])
+def test_margins_that_a_cart_at_rest_breaks_neither_push_nor_bind_it(least, confidence):
+    """A first guess of 40 %. Before, such carts stood for ever, or were pushed away: 44 m in 8 s."""
+    unsure, limits = CartFilter(GUESS, ["left", "right"]), {"cart_limits": [TipOver(least)], "confidence": confidence}
+    told = drive(Controller(GUESS, arms(), PATH, estimator=unsure, **limits), 3.0)
+    assert "% of its margins; slows to 50 % of its speed" in told[0][0].words + told[10][0].words
+    assert 0.3 < told[-1][1].pose_sb[0] < 1.5
+    for step, motion in told:
+        assert np.linalg.norm(step.reference.pose_sb[:2] - motion.pose_sb[:2]) < 0.1
+
+
+class Leaning:
+    """A filter that from 1.5 s on believes in a CoM behind the fixed wheels, where no wrench keeps limits."""
 
     def __init__(self):
         self.cart = TRUTH
@@ -200,7 +225,10 @@ class Unsure:
         told = self._filter.update(measurement)
         if told.time < 1.5:
             return told
-        return told._replace(covariance=told.covariance + np.diag([4.0, 3.0, 2.0, 1.0, 0.0, 0.0]) ** 2)
+        behind = told.model_parameters.copy()
+        behind[1] = -3.0 * behind[0]  # m dx
+        behind[3] += 9.0 * behind[0]
+        return told._replace(model_parameters=behind)
 
 
 @pytest.mark.long
@@ -209,12 +237,12 @@ class Unsure:
 @pytest.mark.parametrize("regrasp", [None, RegraspTimes()])
 def test_a_cart_is_braked_where_no_wrench_keeps_its_limits(caution, regrasp):
     """Before, it rolled on, at 0.3 m/s for four seconds and more; with what is said of it."""
-    limits = {"cart_limits": [TipOver(15.0)], "confidence": 0.99}
-    told = drive(Controller(TRUTH, arms(), PATH, estimator=Unsure(), caution=caution, regrasp=regrasp, **limits), 4.0)
-    assert next(motion for step, motion in told if step.time >= 1.4).velocity[0] > 0.3
+    limits = {"cart_limits": [TipOver(15.0)], "confidence": 0.99, "learn": False}
+    told = drive(Controller(TRUTH, arms(), PATH, estimator=Leaning(), caution=caution, regrasp=regrasp, **limits), 4.0)
+    assert next(motion for step, motion in told if step.time >= 1.4).velocity[0] > 0.25
     last, motion = told[-1]
     assert last.plan.status == "infeasible"
-    assert "stops the cart within " in last.words
+    assert "stops the cart beyond its limits" in last.words
     assert np.abs(motion.velocity).max() < 0.02
     forces = np.array([step.given.wrench_b[0] for step, _ in told if step.time > 1.55])
     assert forces.min() < -5.0  # it is pulled back, and never pushed on

@@ -62,10 +62,10 @@ def drive(reference, leaves, rate=np.inf, far=0.1, duration=None, **parts):
 
 
 @pytest.mark.parametrize("leaves", [1.5, 1.65])
-@pytest.mark.parametrize(("least", "confidence"), [(43.0, None), (25.0, 0.9)])
+@pytest.mark.parametrize(("least", "confidence"), [(43.0, None), (20.0, 0.9)])
 def test_limits_hold_for_what_all_hands_give(leaves, least, confidence):
     """`least` N of each wheel, which braking would have; with margins it keeps farther off."""
-    limits = {"cart_limits": [TipOver(least)], "confidence": confidence, "learn": False}
+    limits = {"cart_limits": [TipOver(least)], "confidence": confidence, "learn": False, "caution": None}
     steps = drive(BRAKES, leaves, far=-0.1, **limits)
     assert {step.hands["left"].phase for step in steps} == set(Phase)
     bites = 0

@@ -1,18 +1,20 @@
 """What stops a cart that no plan can be given for: the largest share of margins, by a planner for a covariance as much
-narrower; rates; and that a planner goes on as if it had not been asked."""
+narrower; rates; that a planner goes on as if it had not been asked; and that no limit pushes a cart away."""
 
 from __future__ import annotations
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
-from planning import Skid, WrenchPlanner
-from planning.tick.stopping import AS_BELIEVED, BEYOND
+from planning import Skid, TipOver, WrenchPlanner
+from planning.tick.stopping import BEYOND, GENTLY
 
 from ..limits.test_robust import BEND, LEFT, LIMITS, REST, RIGHT, cart, covariance, estimate, hands
 
 CONTACTS = {"left": LEFT, "right": RIGHT}
-BRAKE = np.array([-35.0, 0.0, -3.0])
+BRAKE, HARD = np.array([-35.0, 0.0, -3.0]), np.array([-200.0, 0.0, 0.0])
 FLAT = {"force_limit": (120.0, 20.0, 4.0), "moment_limit": (8.0, 2.0, 8.0)}
 """Hands that can't hold the cart down."""
 RATES = {"wrench_rate": (500.0,) * 3 + (50.0,) * 3}
@@ -25,44 +27,56 @@ def planner(warm=True, limits=LIMITS, confidence=0.99, relax=np.inf, **changes):
     return made
 
 
-def stopped(made, told, brake=BRAKE, wrench=(30.0, 0.0, 0.0)):
-    return made.plan_or_hold(wrench, CONTACTS, told, stop=lambda: brake)
+def stopped(made, told, brake=BRAKE, wrench=HARD):
+    """Where nothing near what is asked is wanted."""
+    return made.plan_or_hold(wrench, CONTACTS, told, stop=lambda share: brake)
 
 
-def along(plan):
-    """What is held, in the rows that move the cart."""
-    return plan.held.wrench_b[[0, 2]]
+def along(wrenches):
+    """In the rows that move the cart."""
+    return wrenches.wrench_b[[0, 2]]
+
+
+SHARES = [(3.5, -5.0, 0.75), (4.0, -20.0, 0.5), (6.0, -35.0, 0.25)]
 
 
 @pytest.mark.parametrize("warm", [True, False], ids=["compiled", "general"])
-@pytest.mark.parametrize(("scale", "force", "share"), [(3.5, -5.0, 0.75), (4.0, -20.0, 0.5), (6.0, -35.0, 0.25)])
-def test_as_much_of_the_margins_is_kept_as_leaves_the_wrench(warm, scale, force, share):
-    """Margins for a covariance of share² are share of them: with the next larger share the wrench can't be given."""
-    brake = np.array([force, 0.0, 0.0])
-    plan = stopped(planner(warm, **FLAT), estimate(covariance(scale), BEND), brake)
+@pytest.mark.parametrize(("scale", "force", "share"), SHARES)
+def test_as_much_of_the_margins_is_kept_as_leaves_the_stop(warm, scale, force, share):
+    """Margins for a covariance of share² are share of them: with the next larger share the stop can't be given. What is
+    asked is brought as near as these allow; or, where nothing near will do, the cart is stopped."""
+    brake, told = np.array([force, 0.0, 0.0]), estimate(covariance(scale), BEND)
+    plan = stopped(planner(warm, relax=0.0, **FLAT), told, brake)
     assert plan.status == "infeasible"
     assert plan.stops == f"stops the cart within {100 * share:g} % of its margins"
-    np.testing.assert_allclose(along(plan), brake[[0, 2]], atol=1e-6)
+    np.testing.assert_allclose(along(plan.held), brake[[0, 2]], atol=1e-6)
+    near = stopped(planner(warm, **FLAT), told, brake, (-200.0, 0.0, 0.0))
+    assert near.stops == f"keeps {100 * share:g} % of its margins"
+    narrow = estimate(covariance(share * scale), BEND)
+    wanted = planner(**FLAT).plan_or_hold((-200.0, 0.0, 0.0), CONTACTS, narrow)
+    missed = [np.linalg.norm(along(one.contact_wrenches) - HARD[[0, 2]]) for one in (near, wanted)]
+    assert missed[0] == pytest.approx(missed[1], rel=1e-5)
     for times, status in ((share, "optimal"), (share + 0.25, "infeasible")):
         told = estimate(covariance(times * scale), BEND)
         assert planner(relax=0.0, **FLAT).plan_or_hold(brake, CONTACTS, told).status == status
 
 
-def test_a_wrench_beyond_the_arms_is_given_as_far_as_they_can():
+def test_a_stop_beyond_the_arms_is_given_as_far_as_they_can():
     weak = planner(force_limit=(10.0, 60.0, 60.0))
-    plan = stopped(weak, estimate(covariance(8.0), BEND), np.array([-300.0, 0.0, 0.0]))
-    np.testing.assert_allclose(along(plan), [-20.0, 0.0], atol=1e-4)
+    plan = stopped(weak, estimate(covariance(8.0), BEND), np.array([-300.0, 0.0, 0.0]), (-300.0, 0.0, 0.0))
+    np.testing.assert_allclose(along(plan.contact_wrenches), [-20.0, 0.0], atol=1e-4)
 
 
 @pytest.mark.parametrize("warm", [True, False], ids=["compiled", "general"])
-def test_it_obeys_rates_from_tick_to_tick(warm):
+@pytest.mark.parametrize("wrench", [HARD, BRAKE], ids=["stops", "keeps"])
+def test_it_obeys_rates_from_tick_to_tick(warm, wrench):
     made, last = planner(warm, **RATES), {name: np.zeros(6) for name in CONTACTS}
     for _ in range(8):
-        plan = stopped(made, estimate(covariance(8.0), BEND))
-        for name, wrench in plan.held.wrenches.items():
-            assert (np.abs(wrench - last[name]) <= 0.002 * np.array(RATES["wrench_rate"]) + 1e-6).all()
-        last = plan.held.wrenches
-    assert plan.held.wrench_b[0] == pytest.approx(-16.0, abs=0.5)  # 8 ticks of 2 N
+        plan = stopped(made, estimate(covariance(8.0), BEND), wrench=wrench)
+        for name, given_now in plan.contact_wrenches.wrenches.items():
+            assert (np.abs(given_now - last[name]) <= 0.002 * np.array(RATES["wrench_rate"]) + 1e-6).all()
+        last = plan.contact_wrenches.wrenches
+    assert plan.contact_wrenches.wrench_b[0] == pytest.approx(-16.0, abs=0.5)  # 8 ticks of 2 N
 
 
 def test_limits_that_no_wrench_keeps_do_not_leave_the_cart_alone():
@@ -72,22 +86,21 @@ def test_limits_that_no_wrench_keeps_do_not_leave_the_cart_alone():
     plan = stopped(made, estimate(covariance(), fast), np.array([-35.0, 0.0, 0.0]))
     assert plan.status == "infeasible"
     assert plan.stops.endswith(BEYOND)
-    np.testing.assert_allclose(along(plan), [-35.0, 0.0], atol=1e-6)
+    np.testing.assert_allclose(along(plan.held), [-35.0, 0.0], atol=1e-6)
 
 
-def test_where_it_is_beyond_the_limits_themselves_the_nearest_within_is_given():
-    made = planner()
-    plan = stopped(made, estimate(covariance(8.0), REST), np.array([-200.0, 0.0, 0.0]))
-    assert plan.stops.endswith(AS_BELIEVED)
-    given = plan.held.wrench_b
-    assert -200.0 < given[0] < -20.0
-    believed = planner(confidence=None).plan_or_hold((-200.0, 0.0, 0.0), CONTACTS, estimate(covariance(), REST))
-    np.testing.assert_allclose(given, believed.cart_wrench, atol=1e-3)
+def test_where_a_hard_stop_is_beyond_the_limits_a_gentle_one_is_given():
+    made = planner(relax=0.0)
+    plan = made.plan_or_hold(
+        (-300.0, 0.0, 0.0), CONTACTS, estimate(covariance(), REST), stop=np.array([-200.0, 0.0, 0.0]).__mul__
+    )
+    assert plan.status == "infeasible"
+    np.testing.assert_allclose(along(plan.held), [-200.0 * GENTLY, 0.0], atol=1e-6)
 
 
 def test_the_share_follows_what_is_known_from_tick_to_tick():
     """Down at once, up by a step a tick."""
-    made, brake, told = planner(**FLAT), np.array([-5.0, 0.0, 0.0]), []
+    made, brake, told = planner(relax=0.0, **FLAT), np.array([-5.0, 0.0, 0.0]), []
     for scale in (6.0, 3.5, 3.5, 3.5, 6.0):
         told.append(stopped(made, estimate(covariance(scale), BEND), brake).stops.split()[4])
     assert told == ["25", "50", "75", "75", "25"]
@@ -95,14 +108,15 @@ def test_the_share_follows_what_is_known_from_tick_to_tick():
 
 def test_what_was_asked_last_is_what_the_caller_asked():
     made = planner()
-    stopped(made, estimate(covariance(8.0), BEND), wrench=(30.0, 0.0, 2.0))
-    np.testing.assert_allclose(made.problem().param_dict["wrench"].value, [30.0, 0.0, 2.0])
+    for wrench in ((30.0, 0.0, 2.0), (-200.0, 0.0, 2.0)):
+        stopped(made, estimate(covariance(8.0), BEND), wrench=wrench)
+        np.testing.assert_allclose(made.problem().param_dict["wrench"].value, wrench)
 
 
 def test_afterwards_it_plans_as_ever():
     """With whole margins, from what was given last."""
     made, other = planner(**RATES), planner(**RATES)
-    held = stopped(made, estimate(covariance(8.0), BEND)).held
+    held = stopped(made, estimate(covariance(8.0), BEND)).contact_wrenches
     other.start_from(held.wrenches, CONTACTS)
     for _ in range(3):
         plans = [one.plan_or_hold((20.0, 0.0, 5.0), CONTACTS, estimate(covariance(0.5), BEND)) for one in (made, other)]
@@ -115,5 +129,31 @@ def test_afterwards_it_plans_as_ever():
     "told", [estimate(covariance(0.5), BEND), estimate(covariance(8.0), BEND)._replace(time=np.nan)]
 )
 def test_a_plan_that_is_there_and_one_that_is_refused_ask_for_no_stop(told):
-    plan = planner().plan_or_hold((20.0, 0.0, 5.0), CONTACTS, told, stop=lambda: pytest.fail("asked"))
+    plan = planner().plan_or_hold((20.0, 0.0, 5.0), CONTACTS, told, stop=lambda share: pytest.fail("asked"))
     assert not plan.stops
+
+
+ASKED = st.tuples(st.floats(-60.0, 60.0), st.floats(-8.0, 8.0))
+
+
+@pytest.mark.parametrize("warm", [True, False], ids=["compiled", "general"])
+@pytest.mark.parametrize("least", [0.0, 30.0, 55.0])
+@settings(max_examples=25)
+@given(asked=ASKED, scale=st.floats(0.1, 12.0))
+def test_limits_never_push_a_cart_that_stands(warm, least, asked, scale):
+    """What is given is nearer to what is asked than letting go is, or nothing, whatever the margins are, and where the
+    cart as believed breaks a limit alone."""
+    made = planner(warm, [TipOver(least)])
+    plan = made.plan_or_hold((asked[0], 0.0, asked[1]), CONTACTS, estimate(covariance(scale)), stop=np.zeros(3).__mul__)
+    given_now = plan.contact_wrenches.wrench_b[[0, 2]]
+    assert np.linalg.norm(given_now - asked) <= np.linalg.norm(asked) + 1e-3
+    alone = WrenchPlanner(cart(), hands(), cart_limits=[TipOver(least)]).plan((0.0, 0.0, 0.0), CONTACTS).status
+    if alone == "infeasible":
+        assert not plan.is_usable
+        np.testing.assert_allclose(given_now, 0.0, atol=1e-6)
+    if plan.status == "optimal":
+        np.testing.assert_allclose(given_now, asked, atol=1e-5)
+        whole = planner(warm, [TipOver(least)], relax=0.0).plan_or_hold(
+            (asked[0], 0.0, asked[1]), CONTACTS, estimate(covariance(scale))
+        )
+        assert (whole.status == "optimal") == (not plan.stops)

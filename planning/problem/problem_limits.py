@@ -1,0 +1,41 @@
+"""`cart_limits` of `PROBLEM.yaml` and `study.yaml`."""
+
+from __future__ import annotations
+
+from collections.abc import Callable, Sequence
+
+from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
+from cartgrasp.model import CartModel
+
+from ..limits import CartLimit, InternalForce, Pushed, SideForce, Skid, TipOver
+from .problem_objective import Refuse
+from .problem_schema import CartLimitsEntry
+
+
+def cart_limits_of(
+    entry: CartLimitsEntry, pushed_by: tuple[CartModel, Sequence[Arm]], where: list[str | int], refuse: Refuse
+) -> tuple[CartLimit, ...]:
+    """The limits that stand at a place of a document, for a cart and its arms."""
+    limits: list[tuple[str, Callable[[], CartLimit]]] = []
+    if entry.skid is not None:
+        friction = entry.skid.friction
+        limits.append(("skid", lambda: Skid(friction)))
+    if entry.tip_over is not None:
+        least = entry.tip_over.least_load
+        limits.append(("tip_over", lambda: TipOver(least)))
+    if entry.side_force is not None:
+        most = entry.side_force.bound
+        limits.append(("side_force", lambda: SideForce(most)))
+    if entry.internal_force is not None:
+        bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
+        limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
+    found, (cart, arms) = [], pushed_by
+    pushed = Pushed(cart, None, arms)
+    for key, make in limits:
+        try:
+            found.append(make())
+            found[-1].rows(pushed)
+        except UsageError as error:
+            raise refuse([*where, key], str(error)) from error
+    return tuple(found)
