@@ -26,14 +26,14 @@ from .tick_state import TickState
 SHARES = (1.0, 0.75, 0.5, 0.25)
 AS_BELIEVED, BEYOND = "within its limits as it is believed to be", "beyond its limits"
 GENTLY = 0.25
-"""Of the usual rate at which velocities fade: what limits have to leave."""
+"""A share of the usual rate at which velocities fade: what limits have to leave."""
 Stop = Callable[[float], ArrayLike]
 """The wrench (3,) under which the cart's velocities fade at a share of the usual rate; at rest that is none."""
 
 
 class Stopping(NamedTuple):
-    """Of the cart of `now`, from what was given last, `before` this tick, within a `share` of its margins; `plan` plans
-    a wrench (3,) for what `now` keeps, and with `exact` does not look for the nearest."""
+    """What is done for the cart of `now`, from what was given last, `before` this tick, within a `share` of its
+    margins; `plan` plans a wrench (3,) for what `now` keeps, and with `exact` does not look for the nearest."""
 
     now: TickState
     before: LastPlan
@@ -95,7 +95,7 @@ class Stopping(NamedTuple):
         return self.plan(wanted, exact)
 
     def _largest_share(self, wanted: ArrayLike) -> tuple[float | None, Plan]:
-        """Of the margins, with which a wrench (3,) can be given, and its plan; None where the limits forbid it."""
+        """How much of the margins lets a wrench (3,) be given, with its plan; None where the limits forbid it."""
         shares = (*SHARES, 0.0) if self.now.terms.has_margins else (0.0,)
         first = max(0, shares.index(self.share) - 1) if self.share in shares else 0
         for share in shares[first:]:
