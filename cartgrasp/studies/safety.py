@@ -109,8 +109,8 @@ def arms() -> tuple[Arm, ...]:
 @dataclass(frozen=True)
 class Run:
     """A cart driven one way. How far the true cart stayed inside its limits, `room` (N, by tick; negative: beyond), and
-    the least load (N) that a wheel in MuJoCo had in each; mean effort (N²); when it arrived (s; infinite if it did not,
-    or fell); and whether it fell."""
+    the least load (N) that a wheel in MuJoCo had in each; effort (N²), its sum over the usual time; when it arrived (s;
+    infinite if it did not, or fell); and whether it fell."""
 
     seed: int
     way: str
@@ -197,7 +197,9 @@ def drive(seed: int, way: str, duration: float | None = None) -> Run:
     late = np.flatnonzero((away > THERE) | (speed > STILL))
     never = fell or not len(late) or late[-1] == len(away) - 1
     arrived = inf if never else period * float(late[-1] + 1)
-    return Run(seed, way, np.array(plant.room), np.array(plant.loads), float(np.mean(plant.efforts)), arrived, fell)
+    usual = min(len(plant.efforts), round((end.duration + WAIT) / period))
+    effort = float(np.sum(plant.efforts)) / usual
+    return Run(seed, way, np.array(plant.room), np.array(plant.loads), effort, arrived, fell)
 
 
 def _drive(job: tuple[int, str]) -> Run:

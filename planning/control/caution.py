@@ -19,12 +19,15 @@ AWAY = 0.3
 """s between two steps, if not of such a period, from which on nobody drove the cart meanwhile."""
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
+IDLE = "idle_arm"
+"""The word for an arm that is felt to give little of what it is told, where health is ok."""
 
 
 @dataclass(frozen=True)
 class Caution:
-    """By the estimate's health, of which those left out change nothing. The cart also stops along its path while no
-    plan can be given, and while it is behind. After `load_changed` the filter's own deviations are as wide as needed.
+    """By the estimate's health, or `idle_arm`, of which those left out change nothing. The cart also stops along its
+    path while no plan can be given, and while it is behind. After `load_changed` the filter's own deviations are as
+    wide as needed.
 
     Args:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
@@ -46,6 +49,7 @@ class Caution:
             "inconsistent": 0.5,
             "load_changed": 0.7,
             "outliers": 0.7,
+            IDLE: 0.5,
         }
     )
     widen: Mapping[str, float] = field(default_factory=lambda: {"inconsistent": 2.0, "outliers": 1.5, "no_wrench": 1.5})
@@ -58,7 +62,7 @@ class Caution:
             rule = getattr(self, name)
             check_kind(f"caution: {name}", rule, Mapping, 'write {"inconsistent": …}')
             for health, value in rule.items():
-                check_known(f"caution: {name}", [health], HEALTHS)
+                check_known(f"caution: {name}", [health], HEALTHS | {IDLE})
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, QUICKEST, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
@@ -70,7 +74,8 @@ class Caution:
         be."""
         status, margins = last
         share = self.pace.get(health, 1.0)
-        reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: health {health}")]
+        why = "an arm gives little" if health == IDLE else f"health {health}"
+        reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: {why}")]
         if margins:
             reasons.append((self.short, f"slows to {100 * self.short:.0f} % of its speed"))
         if status not in USABLE:

@@ -31,10 +31,11 @@ from ..quadratic_program import OPTIMAL
 from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
-from .caution import AWAY, Caution, Pace
+from .caution import AWAY, IDLE, Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
+from .obedience import Obedience
 from .regrasps import Given, Regrasps
 from .rejection import Rejection
 from .saved import Saved, as_first_guess, read_saved
@@ -165,6 +166,7 @@ class Controller:
         self._observed: Estimate | None = None
         self._time, self._pace = -math.inf, Pace(0.0)
         self._knows_where = False  # once a pose was seen
+        self._obedience, self._heard = Obedience(), -math.inf
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -200,7 +202,8 @@ class Controller:
             given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
         self._time, self._held = time, given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
-        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed)
+        idle = self._obedience.idle
+        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed, idle)
         return self._last
 
     def observe(self, measurement: Measurement) -> Estimate:
@@ -211,6 +214,10 @@ class Controller:
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         if not measurement.contacts.keys() >= measurement.wrenches.keys():
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
+        if self._last is not None and measurement.wrenches and measurement.time > self._heard:
+            elapsed = min(measurement.time - self._heard, AWAY) if math.isfinite(self._heard) else 0.0
+            self._heard = measurement.time
+            self._obedience = self._obedience.after(self._last.wrenches, measurement.wrenches, elapsed)
         estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
@@ -271,6 +278,7 @@ class Controller:
         planned, away, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
+            health = health if health != OK or not self._obedience.idle else IDLE
             away = _along(last.reference.pose_sb, estimate.motion.pose_sb)
         wanted, slowed = caution.wanted(health, planned, away) if self._knows_where else (0.0, WAITS)
         if self._has_margins and (wider := caution.wider(health)):

@@ -22,7 +22,8 @@ class Step:
 
     `given` are their wrenches, with where the hands are; `reference` is where the cart is to be by now, later than its
     path says where `slowed` says why. `plan` is the plan of the hands that hold wholly, where one is on its way. `why`
-    says why the contacts were chosen, `kept` by arm why a hand stays that was to go.
+    says why the contacts were chosen, `kept` by arm why a hand stays that was to go, `idle` which share of what they
+    are told those arms are felt to give that give little.
     """
 
     time: float
@@ -34,6 +35,7 @@ class Step:
     why: str = ""
     kept: Mapping[str, str] = field(default_factory=dict)
     slowed: str = ""
+    idle: Mapping[str, float] = field(default_factory=dict)
 
     def __repr__(self) -> str:
         arms = (
@@ -74,6 +76,7 @@ class Step:
         told += [stops] if (stops := getattr(self.plan, "stops", "")) else []
         told += [f"at its limit is {joint}" for joint in getattr(self.plan, "limiting_joints", ())]
         told += ["something else pushes the cart"] if pushed else []
+        told += [f"{arm} is felt to give {100 * share:.0f} % of what it is told" for arm, share in self.idle.items()]
         return "; ".join([*hands, *told, *([self.slowed] if self.slowed else [])])
 
     @property
