@@ -83,7 +83,7 @@ def _row(runs: Sequence[Run], way: str) -> tuple[str, ...]:
         str(len(ours)),
         str(sum(run.violates for run in ours)),
         str(sum(run.fell for run in ours)),
-        f"{-min(0.0, *(float(run.room.min()) for run in ours)):.1f}",
+        f"{max(0.0, *(-float(run.room.min()) for run in ours)):.1f}",
         str(sum(bool(run.loads.min() <= 0.0) for run in ours)),
         f"{np.mean(efforts):.0f}",
         f"{_effort(runs, way):.2f}",
