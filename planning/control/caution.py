@@ -6,8 +6,6 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
 
-import numpy as np
-
 from cartgrasp.checks import FARTHEST, check_kind, check_known, number, positive
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.roles import ReferencePath
@@ -74,6 +72,8 @@ class Caution:
         be."""
         status, margins = last
         share = self.pace.get(health, 1.0)
+        if share == 1.0 and not margins and status in USABLE and away <= self.behind:
+            return 1.0, ""
         why = "an arm gives little" if health == IDLE else f"health {health}"
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: {why}")]
         if margins:
@@ -111,7 +111,7 @@ class Pace:
             return replace(self, rate=0.0)
         if duration > longest:
             return Pace(self.along, 0.0)
-        share = self.share + float(np.clip(wanted - self.share, -change * duration, change * duration))
+        share = self.share + min(max(wanted - self.share, -change * duration), change * duration)
         return Pace(self.along + duration * (self.share + share) / 2, share, (share - self.share) / duration)
 
     def reference(self, path: ReferencePath, time: float) -> Reference:

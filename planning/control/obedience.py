@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field
+from functools import cached_property
 
 import numpy as np
 
@@ -29,12 +30,13 @@ class Obedience:
         kept = math.exp(-duration / MEMORY)
         agreed, loud = dict(self.agreed), dict(self.told)
         for arm in felt.keys() & told.keys():
-            force = told[arm][:3]
-            agreed[arm] = kept * agreed.get(arm, 0.0) + (1.0 - kept) * float(force @ np.asarray(felt[arm])[:3])
-            loud[arm] = kept * loud.get(arm, 0.0) + (1.0 - kept) * float(force @ force)
+            fx, fy, fz = told[arm][:3].tolist()
+            x, y, z = np.asarray(felt[arm], dtype=float)[:3].tolist()
+            agreed[arm] = kept * agreed.get(arm, 0.0) + (1.0 - kept) * (fx * x + fy * y + fz * z)
+            loud[arm] = kept * loud.get(arm, 0.0) + (1.0 - kept) * (fx * fx + fy * fy + fz * fz)
         return Obedience(agreed, loud, self.lasting + duration)
 
-    @property
+    @cached_property
     def idle(self) -> Mapping[str, float]:
         """The arms that give little, with the share that they are felt to give."""
         if self.lasting < MEMORY:
