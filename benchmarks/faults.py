@@ -35,7 +35,7 @@ from .sealed.__main__ import seeds
 
 TRUTH = CartModel(Inertia(24.0, (0.3, 0.05), 2.2), effects=(ViscousDrag(3.0, 1.2),), wheels=WHEELS, com_height=0.45)
 GUESS = TRUTH.with_inertia(Inertia(20.0, (0.25, 0.0), 2.0))
-GUESS = replace(GUESS, first_guess=FirstGuess((("mass", 4.0), ("com_x", 0.05), ("com_y", 0.05), ("inertia", 0.5))))
+SURE = FirstGuess((("mass", 4.0), ("com_x", 0.05), ("com_y", 0.05), ("inertia", 0.5)))
 FORCE, MOMENT, RATE = 60.0, 8.0, 600.0
 NEAR, SLOW, AFTER = 0.05, 0.02, 2.0
 """m from the path, m/s and rad/s at rest, s."""
@@ -88,14 +88,15 @@ def controller_of(path: PathReference, whole: bool) -> Controller:
     """One whose hands stay, at any rate; or, `whole`, one that does all it can."""
     limits = {"force_limit": (FORCE,) * 3, "moment_limit": (MOMENT,) * 3}
     sides = (("left", 0.2), ("right", -0.2))
-    learner = DisturbedFilter(GUESS, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))
+    guess = replace(GUESS, first_guess=SURE) if whole else GUESS
+    learner = DisturbedFilter(guess, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))
     if not whole:
         arms = [Arm(name, [(-0.25, y, 1.0)], **limits) for name, y in sides]
-        return Controller(GUESS, arms, path, estimator=learner, regrasp=None)
+        return Controller(guess, arms, path, estimator=learner, regrasp=None)
     arms = [Arm(name, [(-0.25, y, 1.0), (-0.15, y, 0.9)], wrench_rate=(RATE,) * 6, **limits) for name, y in sides]
     kept = {"cart_limits": [Skid(0.5), TipOver(10.0)], "confidence": 0.99}
     return Controller(
-        GUESS, arms, path, estimator=learner, contacts="periodic", choosing=Choosing(every=0.7), drift=10.0, **kept
+        guess, arms, path, estimator=learner, contacts="periodic", choosing=Choosing(every=0.7), drift=10.0, **kept
     )
 
 

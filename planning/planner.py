@@ -133,23 +133,19 @@ class WrenchPlanner:
         """Forgets the last wrench, contacts and estimate's time."""
         self._now.reset()
 
-    def for_arms(self, names: Sequence[str]) -> Self:
-        """A planner like this one, which remembers nothing, for some of its arms."""
+    def for_arms(self, names: Sequence[str], at_any_rate: bool = False) -> Self:
+        """A planner like this one, which remembers nothing, for some of its arms; as they are, or without limits of
+        their rates."""
         other = shallow_copy(self)
         other._made = replace(self._made, switching_cost=self._made.costs_of(names))
-        other._now = TickState(other._made, [arm for arm in self._now.terms.base.arms if arm.name in names])
+        arms = [arm for arm in self._now.terms.base.arms if arm.name in names]
+        other._now = TickState(other._made, [arm.without_rate() for arm in arms] if at_any_rate else arms)
         return other
 
     @property
     def period(self) -> float:
         """s between calls."""
         return self._made.period
-
-    def at_any_rate(self) -> Self:
-        """A planner like this one, which remembers nothing, for arms whose wrenches may change at any rate."""
-        other = shallow_copy(self)
-        other._now = TickState(other._made, [arm.without_rate() for arm in self._now.terms.base.arms])
-        return other
 
     def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike] = NOWHERE) -> None:
         """As if the last plan had been these wrenches (6,) in {a} by arm, zero of others, at contacts (3,) in {b};

@@ -85,23 +85,9 @@ def simulate(
     """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
     from . import simulate as command
 
+    guards = command.Guards(skid, tip_over, confidence, caution, disturbances)
     choice = command.Choice(
-        cart,
-        guess,
-        path,
-        reference,
-        plant,
-        arms,
-        speed,
-        force_noise,
-        learn,
-        seed,
-        contacts,
-        skid,
-        tip_over,
-        confidence,
-        caution,
-        disturbances,
+        cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed, contacts, guards
     )
     raise typer.Exit(command.run(choice, out, json))
 

@@ -2,14 +2,18 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from functools import partial
 from pathlib import Path
 
 import numpy as np
 
 from estimation import FilterNoise
-from planning import CartLimit, Caution, Choosing, FloorLimit, RegraspTimes, Skid, TipOver
+from planning import CartLimit, Caution, Choosing, RegraspTimes, Skid, TipOver
 from planning.contact_sources.ways import FIXED
+from planning.limits.robust import RobustLimits
+from planning.problem.problem_limits import limits_for
 
 from ..arms import Arm
 from ..cart_file import load_cart
@@ -29,8 +33,18 @@ from .run_tables import print_run
 
 APART = 0.1
 """m along the handle, between the places where a hand may hold."""
-CONFIDENCES = 0.5, 1.0
 LARGEST_FORCE, LARGEST_MOMENT, MOST_NOISE = 150.0, 40.0, 1e4
+
+
+@dataclass(frozen=True)
+class Guards:
+    """What keeps the cart on its wheels and its path, as far as it is asked for."""
+
+    skid: float | None = None
+    tip_over: float | None = None
+    confidence: float | None = None
+    caution: bool = False
+    disturbances: bool = False
 
 
 @dataclass(frozen=True)
@@ -48,11 +62,7 @@ class Choice:
     learn: bool
     seed: int
     contacts: str = FIXED
-    skid: float | None = None
-    tip_over: float | None = None
-    confidence: float | None = None
-    caution: bool = False
-    disturbances: bool = False
+    guards: Guards = Guards()
 
 
 def run(choice: Choice, out: Path, as_json: bool) -> int:
@@ -80,7 +90,7 @@ def build_scenario(choice: Choice) -> Scenario:
         raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
     if not 0 <= choice.force_noise <= MOST_NOISE:
         raise UsageError(f"--force-noise {choice.force_noise:g}: give 0 to {MOST_NOISE:g} N")
-    way = _way(choice, truth.constraints)
+    way, arms = _way(choice, truth.constraints), _arms(choice.arms)
     moment = choice.force_noise / 20
     sensors = SensorNoise(force=choice.force_noise, moment=moment)
     noise = FilterNoise(
@@ -96,14 +106,14 @@ def build_scenario(choice: Choice) -> Scenario:
     return Scenario(
         truth=truth,
         guess=guess,
-        arms=_arms(choice.arms),
+        arms=arms,
         contacts=choice.contacts,
         choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=APART / 2),
         regrasp=RegraspTimes(),
-        cart_limits=_cart_limits(choice, guess),
-        confidence=choice.confidence,
-        caution=Caution() if choice.caution else None,
-        disturbances=choice.disturbances,
+        cart_limits=_cart_limits(choice.guards, guess, arms),
+        confidence=choice.guards.confidence,
+        caution=Caution() if choice.guards.caution else None,
+        disturbances=choice.guards.disturbances,
         stretches=way.stretches,
         start_pose=way.start,
         sensors=sensors,
@@ -115,21 +125,16 @@ def build_scenario(choice: Choice) -> Scenario:
     )
 
 
-def _cart_limits(choice: Choice, guess: CartModel) -> tuple[CartLimit, ...]:
-    limits: list[FloorLimit] = []
-    for option, limit, value in (("skid", Skid, choice.skid), ("tip-over", TipOver, choice.tip_over)):
-        if value is None:
-            continue
-        try:
-            limits.append(limit(value))
-            limits[-1].on_floor(guess)
-        except UsageError as error:
-            raise UsageError(f"--{option}: {error}") from error
-    if choice.confidence is not None and not limits:
+def _cart_limits(guards: Guards, guess: CartModel, arms: Sequence[Arm]) -> tuple[CartLimit, ...]:
+    asked = (("skid", Skid, guards.skid), ("tip-over", TipOver, guards.tip_over))
+    limits = {key: partial(limit, value) for key, limit, value in asked if value is not None}
+    if guards.confidence is not None and not limits:
         raise UsageError("--confidence: is of limits of the cart; give --skid or --tip-over beside it")
-    if choice.confidence is not None and not CONFIDENCES[0] <= choice.confidence < CONFIDENCES[1]:
-        raise UsageError(f"--confidence {choice.confidence:g}: give {CONFIDENCES[0]:g} to below {CONFIDENCES[1]:g}")
-    return tuple(limits)
+    try:
+        RobustLimits((), guards.confidence)
+    except UsageError as error:
+        raise UsageError(f"--confidence {guards.confidence:g}: {error}") from error
+    return limits_for(limits, (guess, arms), lambda key, why: UsageError(f"--{key}: {why}"))
 
 
 def _arms(count: int) -> tuple[Arm, ...]:

@@ -61,6 +61,10 @@ class Scenario:
     duration: float | None = None
     start_pose: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
+    def __post_init__(self) -> None:
+        if self.disturbances and self.estimation == PAPER:
+            raise UsageError("disturbances: the paper's filter tells none; write `estimation: learning`")
+
     def run(self, progress: Callable[[float], None] | None = None) -> RunRecord:
         """The whole run, with the truth beside each estimate."""
         return with_truth(run(self.build(), self.duration, progress), self.truth)
@@ -107,8 +111,6 @@ class Scenario:
     def _estimator(self) -> Estimator:
         names = [arm.name for arm in self.arms]
         yaws = {arm.name: arm.yaw for arm in self.arms}
-        if self.disturbances and self.estimation == PAPER:
-            raise UsageError(f"disturbances: {PAPER} tells none; leave them out, or learn")
         kind = PaperFilter if self.estimation == PAPER else DisturbedFilter if self.disturbances else CartFilter
         return kind(self.guess, names, noise=self.noise, prior=self.prior, yaws=yaws)
 

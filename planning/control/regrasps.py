@@ -46,14 +46,13 @@ class Regrasps:
         names = [arm.name for arm in arms]
         self._arms = {arm.name: arm for arm in arms}
         self._yaws = {arm.name: arm.yaw for arm in arms}
-        self._others = {
-            name: planner.for_arms([other for other in names if other != name]) for name in names if len(names) > 1
-        }
+        rest = {name: [other for other in names if other != name] for name in names if len(names) > 1}
+        self._others = {name: planner.for_arms(others) for name, others in rest.items()}
         self._rates = {arm.name: WrenchRate.of([arm], planner.period) for arm in arms}
         self._in_time = self._others
         """The others after as long as it takes: what they can give without limits of rates."""
         if any(self._rates.values()):
-            self._in_time = {name: others.at_any_rate() for name, others in self._others.items()}
+            self._in_time = {name: planner.for_arms(others, at_any_rate=True) for name, others in rest.items()}
         self.hands: dict[str, Hand] = {}
         self.kept: dict[str, str] = {}
         """Why hands stay that were to go."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
@@ -17,25 +17,34 @@ def cart_limits_of(
     entry: CartLimitsEntry, pushed_by: tuple[CartModel, Sequence[Arm]], where: list[str | int], refuse: Refuse
 ) -> tuple[CartLimit, ...]:
     """The limits that stand at a place of a document, for a cart and its arms."""
-    limits: list[tuple[str, Callable[[], CartLimit]]] = []
+    limits: dict[str, Callable[[], CartLimit]] = {}
     if entry.skid is not None:
         friction = entry.skid.friction
-        limits.append(("skid", lambda: Skid(friction)))
+        limits["skid"] = lambda: Skid(friction)
     if entry.tip_over is not None:
         least = entry.tip_over.least_load
-        limits.append(("tip_over", lambda: TipOver(least)))
+        limits["tip_over"] = lambda: TipOver(least)
     if entry.side_force is not None:
         most = entry.side_force.bound
-        limits.append(("side_force", lambda: SideForce(most)))
+        limits["side_force"] = lambda: SideForce(most)
     if entry.internal_force is not None:
         bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
-        limits.append(("internal_force", lambda: InternalForce(bound, (x, y, z))))
+        limits["internal_force"] = lambda: InternalForce(bound, (x, y, z))
+    return limits_for(limits, pushed_by, lambda key, why: refuse([*where, key], why))
+
+
+def limits_for(
+    limits: Mapping[str, Callable[[], CartLimit]],
+    pushed_by: tuple[CartModel, Sequence[Arm]],
+    refuse: Callable[[str, str], UsageError],
+) -> tuple[CartLimit, ...]:
+    """Limits that a cart and its arms can have; one that they can't is refused by its key."""
     found, (cart, arms) = [], pushed_by
     pushed = Pushed(cart, None, arms)
-    for key, make in limits:
+    for key, make in limits.items():
         try:
             found.append(make())
             found[-1].rows(pushed)
         except UsageError as error:
-            raise refuse([*where, key], str(error)) from error
+            raise refuse(key, str(error)) from error
     return tuple(found)

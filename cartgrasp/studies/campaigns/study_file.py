@@ -151,15 +151,12 @@ def _guarded(scenario: Scenario, loop: ClosedLoopEntry, refuse: Refuse) -> Scena
         limits = cart_limits_of(loop.cart_limits, (scenario.guess, scenario.arms), where, refuse)
     if loop.confidence is not None and not limits:
         raise refuse(["closed_loop", "confidence"], "is of `cart_limits`, which are missing; write `tip_over: {}`, say")
-    if loop.disturbances and loop.estimation == "paper":
-        raise refuse(["closed_loop", "disturbances"], "the paper's filter tells none; write `estimation: learning`")
+    key, guarded = "disturbances", replace(scenario, cart_limits=limits, confidence=loop.confidence)
     try:
-        caution = None if loop.caution is None else Caution(**loop.caution.model_dump())
+        guarded, key = replace(guarded, disturbances=loop.disturbances), "caution"
+        return guarded if loop.caution is None else replace(guarded, caution=Caution(**loop.caution.model_dump()))
     except UsageError as error:
-        raise refuse(["closed_loop", "caution"], str(error)) from error
-    return replace(
-        scenario, cart_limits=limits, confidence=loop.confidence, caution=caution, disturbances=loop.disturbances
-    )
+        raise refuse(["closed_loop", key], str(error).removeprefix("disturbances: ")) from error
 
 
 def _with_contacts(scenario: Scenario, loop: ClosedLoopEntry, refuse: Refuse) -> Scenario:

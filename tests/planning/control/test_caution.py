@@ -22,6 +22,8 @@ from planning import Caution, Controller, PathReference, RegraspTimes, Skid, Tip
 from planning.control.caution import HEALTHS, Pace
 from planning.references import speed_change, turn
 
+from .driving import ticks
+
 DRAG = ViscousDrag(3.0, 1.2)
 PATH = PathReference(chain(speed_change(0.6, 0.4), turn(0.8, 0.4), pause(1.0), speed_change(-0.6, 0.4), pause(1.0)))
 TRUTH = cg.CartModel(cg.Inertia(26.0, (0.3, 0.03), 2.4), effects=(DRAG,), wheels=WHEELS, com_height=0.45)
@@ -66,16 +68,11 @@ def test_what_is_paced_is_a_motion():
 
 def drive(controller, duration, blind=lambda time: False, factor=1.0):
     """With wrenches that are felt times a factor."""
-    plant, sensors = ModelPlant(TRUTH), Sensors(TRUTH, SensorNoise(force=1.0, moment=0.05), seed=5)
-    told = []
-    while plant.time < duration:
-        sensed = sensors.motion(plant.time, plant.motion)
-        step = controller.step(cg.Measurement(plant.time) if blind(plant.time) else sensed)
-        felt = sensors.wrenches(plant.time, step.given)
-        controller.observe(replace(felt, wrenches={arm: factor * one for arm, one in felt.wrenches.items()}))
-        plant.step(step.given, controller.period)
-        told.append((step, plant.motion))
-    return told
+
+    def scaled(felt, given):
+        return replace(felt, wrenches={arm: factor * one for arm, one in felt.wrenches.items()}), given
+
+    return [(tick.step, tick.motion) for tick in ticks(controller, TRUTH, duration, None, 5, blind, scaled)]
 
 
 def controller(**options):

@@ -25,6 +25,8 @@ from planning import (
 )
 from planning.references import speed_change, turn
 
+from .driving import ticks
+
 DRAG = ViscousDrag(linear=3.0, angular=1.2)
 CART = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), effects=(DRAG,))
 GUESS = cg.CartModel(cg.Inertia(18.0, (0.25, 0.0), 2.0), effects=(DRAG,))
@@ -59,15 +61,7 @@ class Later:
 
 def drive(controller, duration, truth=CART, noise=None):
     """Steps, and what was felt after each."""
-    plant, sensors = ModelPlant(truth), Sensors(truth, noise or SensorNoise(force=1.0, moment=0.05), seed=3)
-    told = []
-    for _ in range(round(duration / controller.period)):
-        step = controller.step(sensors.motion(plant.time, plant.motion))
-        felt = sensors.wrenches(plant.time, step.given)
-        controller.observe(felt)
-        plant.step(step.given, controller.period)
-        told.append((step, felt))
-    return told
+    return [(tick.step, tick.felt) for tick in ticks(controller, truth, duration, noise)]
 
 
 def test_it_does_what_its_parts_do_one_by_one():

@@ -8,13 +8,13 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cartgrasp as cg
-from cartgrasp.contacts import ContactWrenches
 from cartgrasp.effects import ViscousDrag
-from cartgrasp.motion import Measurement
-from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
+from cartgrasp.simulation import SensorNoise
 from planning import Controller, PathReference, chain, pause
 from planning.control.obedience import LITTLE, LOUD, Obedience
 from planning.references import speed_change
+
+from .driving import ticks, without
 
 CART = cg.CartModel(cg.Inertia(40.0, (0.3, 0.0), 3.0), effects=(ViscousDrag(linear=20.0, angular=2.0),))
 PATH = PathReference(chain(speed_change(0.8, 0.5), pause(3.0), speed_change(-0.8, 0.5)))
@@ -43,20 +43,16 @@ def run(lost, noise=1.0):
         for n, y in (("left", 0.2), ("right", -0.2))
     ]
     controller = Controller(CART, arms, PATH)
-    plant, sensors = ModelPlant(CART), Sensors(CART, SensorNoise(force=noise, moment=0.05 * noise), seed=3)
-    while plant.time < 4.0:
-        step = controller.step(sensors.motion(plant.time, plant.motion))
-        given, felt = step.given, sensors.wrenches(plant.time, step.given)
-        if lost and 1.5 <= plant.time < 2.5:
-            given = ContactWrenches({**given.wrenches, "left": np.zeros(6)}, given.contacts)
-            felt = Measurement(felt.time, wrenches={**felt.wrenches, "left": np.zeros(6)}, contacts=felt.contacts)
-        controller.observe(felt)
-        plant.step(given, controller.period)
-        yield step
+
+    def spoiled(felt, given):
+        return without("left", felt, given) if lost and 1.5 <= felt.time < 2.5 else (felt, given)
+
+    felt = SensorNoise(force=noise, moment=0.05 * noise)
+    return [tick.step for tick in ticks(controller, CART, 4.0, felt, spoiled=spoiled)]
 
 
 def test_a_lost_arm_is_named_and_the_cart_slows_down():
-    steps = list(run(lost=True))
+    steps = run(lost=True)
     named = [step.time for step in steps if step.idle]
     assert 1.5 < named[0] < 1.9
     assert named[-1] < 3.0

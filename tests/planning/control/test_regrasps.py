@@ -10,12 +10,13 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.roles import ContactChoice
-from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise
 from planning import Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause
 from planning.control.hand import Phase
 from planning.references import speed_change, turn
+
+from .driving import ticks
 
 DRAG = ViscousDrag(linear=3.0, angular=1.2)
 CART = cg.CartModel(cg.Inertia(26.0, (0.3, 0.03), 2.4), effects=(DRAG,), wheels=WHEELS, com_height=0.45)
@@ -52,13 +53,7 @@ def drive(reference, leaves, rate=np.inf, far=0.1, duration=None, **parts):
     held, names = arms(rate, far), ["left", "right"]
     learner = CartFilter(CART, names, noise=FilterNoise(force=1.0, moment=0.05))
     controller = Controller(CART, held, reference, contacts=Leaves(held, leaves), estimator=learner, **parts)
-    plant, sensors = ModelPlant(CART), Sensors(CART, SensorNoise(force=1.0, moment=0.05), seed=3)
-    steps = []
-    for _ in range(round((duration or reference.duration) / controller.period)):
-        steps.append(controller.step(sensors.motion(plant.time, plant.motion)))
-        controller.observe(sensors.wrenches(plant.time, steps[-1].given))
-        plant.step(steps[-1].given, controller.period)
-    return steps
+    return [tick.step for tick in ticks(controller, CART, duration or reference.duration)]
 
 
 @pytest.mark.parametrize("leaves", [1.5, 1.65])
