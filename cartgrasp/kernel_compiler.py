@@ -51,6 +51,11 @@ class EntryLibrary(JITCodeLibrary):
             self._final_module.link_in(_module_of(library), preserve=True)
         super().finalize()
 
+    def _optimize_final_module(self) -> None:
+        """Once, and without vectors: matrices are too small for these, and to look for them takes a fifth of all."""
+        passes, builder = self._codegen._module_pass_manager(opt=1, loop_vectorize=False, slp_vectorize=False)
+        passes.run(self._final_module, builder)
+
 
 def _module_of(library: Any) -> Any:
     return library.own_module() if isinstance(library, InnerLibrary) else library._get_module_for_linking()

@@ -20,12 +20,36 @@ def congruence(matrix: Array, covariance: Array) -> Array:
 
 @row_compiled
 def product(left: Array, right: Array) -> Array:
-    n, m = left.shape
-    found = np.zeros((n, right.shape[1]))
-    for i in range(n):
-        for k in range(m):
+    found = np.zeros((len(left), right.shape[1]))
+    add_product(left, right, found)
+    return found
+
+
+@row_compiled
+def add_product(left: Array, right: Array, into: Array) -> None:
+    for i in range(len(left)):
+        for k in range(len(right)):
             for j in range(right.shape[1]):
-                found[i, j] += left[i, k] * right[k, j]
+                into[i, j] += left[i, k] * right[k, j]
+
+
+@row_compiled
+def inner(left: Array, right: Array) -> float:
+    """The sum of what two matrices' entries make with each other."""
+    total = 0.0
+    for i in range(len(left)):
+        for j in range(left.shape[1]):
+            total += left[i, j] * right[i, j]
+    return total
+
+
+@row_compiled
+def in_units(matrix: Array, size: Array) -> Array:
+    """The matrix in units of sizes (n,)."""
+    found = matrix.copy()
+    for i in range(len(size)):
+        for j in range(len(size)):
+            found[i, j] /= size[i] * size[j]
     return found
 
 

@@ -24,7 +24,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .jit import Indices, row_compiled
-from .matrices import congruence, product, solved, times, turned, without
+from .matrices import add_product, congruence, in_units, inner, product, solved, times, turned, without
 from .row_algebra import RATE, FilteredRow
 from .row_parts import STANDS_OUT
 
@@ -81,7 +81,9 @@ def rid(
     left = covariance - crossed - turned(crossed) + congruence(gain, usual)
     found = Rid(np.zeros((len(innovation), len(free))), left, turned(by_wrench) - product(usual, turned(gain)))
     for q in range(len(free)):
-        found.slopes[:, q] = times(row.by_rise[:, :, free[q]].copy(), taken)
+        for i in range(len(taken)):
+            for j in range(len(taken)):
+                found.slopes[i, q] += row.by_rise[i, j, free[q]] * taken[j]
     return found
 
 
@@ -94,11 +96,11 @@ def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tupl
     noisy, weighed = np.zeros((m, n, n)), np.zeros((m, n, n))
     for q in range(m):
         by = row.by_rise[:, :, free[q]].copy()
-        noisy[q] = product(by, found.left)
-        weighed[q] = product(weight, by)
-        bias[q] = (uneven * by).sum()
+        add_product(by, found.left, noisy[q])
+        add_product(weight, by, weighed[q])
+        bias[q] = inner(uneven, by)
         for i in range(q + 1):
-            information[q, i] = information[i, q] = (noisy[i] * weighed[q]).sum()
+            information[q, i] = information[i, q] = inner(noisy[i], weighed[q])
     return bias, information
 
 
@@ -107,36 +109,37 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
     """The information that rows have in spite of noise in their slopes, and its product with the mean, from what they
     have with it; k unknowns, and others beside."""
     k, (information, pull) = len(noise.mean), belief
-    most = (noise.information * noise.covariance).sum()
+    most = inner(noise.information, noise.covariance)
     if not most > 0.0:
         return belief
     if len(pull) > k:
         information, pull = without(information, pull, k, len(pull))
-    size = np.sqrt(np.diag(noise.first))
-    by_size = np.outer(size, size)
-    added, known = information / by_size, noise.first / by_size
+    size = np.empty(k)
+    for i in range(k):
+        size[i] = math.sqrt(noise.first[i, i])
+    added, known, made = in_units(information, size), in_units(noise.first, size), in_units(noise.information, size)
     rows = added - (1.0 - ASKED) * known
     root, least = _root_of_inverse(rows)
     if not least > 0.0:
         rows = added - (1.0 - ASKED) * _left_of(known, added)
         root, _ = _root_of_inverse(rows)
-    share, turn = np.linalg.eigh(congruence(turned(root), noise.information / by_size))
+    share, turn = np.linalg.eigh(congruence(turned(root), made))
     directions = product(root, turn)
     asked = product(rows, directions)
     score = times(turned(directions), (pull - times(information - noise.information, noise.mean)) / size)
-    first = np.diag(congruence(turned(asked), noise.covariance * by_size))
+    first = congruence(turned(asked), in_units(noise.covariance, 1.0 / size))
     lost, missed = np.zeros((k, k)), np.zeros(k)
     for i in range(k):
         noisy = max(share[i], 0.0)
         slope = max(1.0 - noisy, 0.0)
         chance = STANDS_OUT**2 * 2.0 * noise.squares[0] / most**2 * noisy**2
         weight = max(1.0 - chance / max(slope**2, 1e-300), 0.0)
-        varies = 1.0 + noisy + noise.squares[0] / most * noisy * (1.0 + noisy * first[i] / most)
+        varies = 1.0 + noisy + noise.squares[0] / most * noisy * (1.0 + noisy * first[i, i] / most)
         for a in range(k):
             missed[a] += (1.0 - weight * slope / varies) * asked[a, i] * score[i]
             for b in range(k):
                 lost[a, b] += (1.0 - weight * slope**2 / varies) * asked[a, i] * asked[b, i]
-    lost *= by_size
+    lost = in_units(lost, 1.0 / size)
     missed = missed * size + times(lost - noise.information, noise.mean)
     found, more = belief[0].copy(), belief[1].copy()
     for a in range(k):
