@@ -224,7 +224,7 @@ class WrenchPlanner:
                 return self._plan(wanted, contacts, None, None, beside, at_once=True, exact=exact)
 
             asked = self._asked
-            before = now.before if plan.is_usable else shallow_copy(now.last)
+            before = now.before if plan.is_usable else now.last
             plan = Stopping(now, before, now.stop_share, stop, planned).of(plan, asked)
             self._asked = asked
         now.stop_share = now.stop_share if plan.stops else 1.0
@@ -321,7 +321,7 @@ class WrenchPlanner:
         if choice.contacts is None:
             return self._none_found(candidates, question, choice, start)
         if is_own:
-            now.last.choice = choice.contacts
+            now.last = now.last._replace(choice=choice.contacts)
         return self._planned(choice.contacts, question.target, choice, start)
 
     def _none_found(self, candidates: Candidates, question: Question, choice: Choice, start: float) -> Plan:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from typing import Self
+from typing import NamedTuple, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,18 +15,22 @@ from ..contacts.switching_cost import SAME_PLACE
 from .plan_inputs import RefusedError, read_contacts, read_start
 
 
-class LastPlan:
+class LastPlan(NamedTuple):
     """`wrenches` (6n,), zero at first; `contacts` (n, 3) that are held, NaN where nothing is; and `choice` (n, 3), the
     contacts last chosen among the arms' own."""
 
-    def __init__(self, n_arms: int) -> None:
-        self.wrenches = np.zeros(6 * n_arms)
-        self.contacts = np.full((n_arms, 3), np.nan)
-        self.choice: Array | None = None
+    wrenches: Array
+    contacts: Array
+    choice: Array | None = None
+
+    @classmethod
+    def none(cls, n_arms: int) -> Self:
+        """Before the first plan."""
+        return cls(np.zeros(6 * n_arms), np.full((n_arms, 3), np.nan))
 
     def among(self, before: Sequence[str], names: Sequence[str]) -> Self:
         """The last plan for the arms `names`: those that are among `before` keep their wrenches and contacts."""
-        other = type(self)(len(names))
+        other = self.none(len(names))
         for i, name in enumerate(names):
             if name in before:
                 k = before.index(name)
@@ -39,14 +43,13 @@ class LastPlan:
     ) -> Self:
         """A last plan with these wrenches (6,) and contacts (3,) by arm. An arm that is left out has a zero wrench, or
         keeps its contact."""
-        other = type(self)(len(names))
-        other.wrenches, other.choice = read_start(wrenches, names), self.choice
+        begun = read_start(wrenches, names)
         try:
             held = read_contacts(contacts, names)
         except RefusedError as error:
             raise UsageError(f"start_from: {error}") from error
-        other.contacts = np.array([held.get(name, now) for name, now in zip(names, self.contacts, strict=True)])
-        return other
+        points = np.array([held.get(name, now) for name, now in zip(names, self.contacts, strict=True)])
+        return type(self)(begun, points, self.choice)
 
     def contacts_or(self, first: Array) -> Array:
         """The contacts held, else `first` (n, 3)."""

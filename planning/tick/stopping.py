@@ -16,7 +16,6 @@ from typing import Any, NamedTuple
 from numpy.typing import ArrayLike
 
 from cartgrasp.frames import Array
-from cartgrasp.shallow_copy import shallow_copy
 
 from ..plan import Figures, Plan
 from ..quadratic_program import INFEASIBLE, OPTIMAL
@@ -54,7 +53,7 @@ class Stopping(NamedTuple):
         none is found."""
         try:
             found = self._kept(None, self.stop(1.0))
-            free = shallow_copy(self.now.last)
+            free = self.now.last
             if found.cart_wrench is None:
                 return None
             for wanted in (found.cart_wrench, self._gentle):
@@ -70,7 +69,7 @@ class Stopping(NamedTuple):
     def _nearest(self, found: Plan, asked: ArrayLike) -> Plan:
         """The plan that was found where the limits leave a gentle stop; else one that keeps as much of the margins as
         leaves it; one without wrenches where the limits themselves don't."""
-        after = shallow_copy(self.now.last)
+        after = self.now.last
         try:
             gentle = self._gentle
             share = self._whole if gentle is None else self._largest_share(gentle)[0]

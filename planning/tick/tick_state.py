@@ -61,7 +61,7 @@ class TickState:
     """What is kept for `arms`, or for those of them that hold now; `is_warm` says whether kernels may be used."""
 
     def __init__(self, settings: Settings, arms: Sequence[Arm]) -> None:
-        self._settings, self.is_warm, self.last, self.before = settings, False, LastPlan(0), LastPlan(0)
+        self._settings, self.is_warm, self.last, self.before = settings, False, LastPlan.none(0), LastPlan.none(0)
         self.newest_estimate = -math.inf
         self.stop_share = 1.0  # of the margins, with which the last tick without a plan stopped the cart
         self.solver = QuadraticSolver(name=settings.solver)
@@ -72,7 +72,7 @@ class TickState:
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
-        self.last, self.newest_estimate = LastPlan(len(self.terms.sets)), -math.inf
+        self.last, self.newest_estimate = LastPlan.none(len(self.terms.sets)), -math.inf
         if self.compiled is not None:
             self.compiled.forget()
         self.look_back_at(self.last.wrenches)
@@ -94,7 +94,7 @@ class TickState:
     def as_it_is(self) -> Self:
         """One that stays as this is now, without kernels."""
         other = shallow_copy(self)
-        other.terms, other.last, other.compiled = shallow_copy(self.terms), shallow_copy(self.last), None
+        other.terms, other.compiled = shallow_copy(self.terms), None
         return other
 
     def renew_solvers(self) -> None:
@@ -127,7 +127,7 @@ class TickState:
 
     def go_back_to(self, last: LastPlan) -> None:
         """As if what was remembered since had not been."""
-        self.last = shallow_copy(last)
+        self.last = last
         self.look_back_at(last.wrenches)
 
     def take_arms(self, arms: Sequence[Arm]) -> None:
@@ -150,8 +150,7 @@ class TickState:
 
     def remember(self, wrenches: Array, contacts: Array) -> None:
         """What was given last (6n,), at contacts (n, 3)."""
-        self.before = shallow_copy(self.last)
-        self.last.wrenches, self.last.contacts = wrenches, contacts
+        self.before, self.last = self.last, LastPlan(wrenches, contacts, self.last.choice)
         if self.terms.looks_back:
             self.look_back_at(wrenches)
 
@@ -172,7 +171,7 @@ class TickState:
         """Drops what was made for other arms, and scales what is held into the limits of these."""
         self.program.drop()
         if not self.given.fits:
-            self.given, self.last.choice = GivenContacts(self.terms), None
+            self.given, self.last = GivenContacts(self.terms), self.last._replace(choice=None)
         self.compiled = None if self.compiled is None else self.compiled.renewed()
         if self.compiled is None:
             self._compile()
@@ -184,7 +183,7 @@ class TickState:
         self.compiled = CompiledPlanning.of(self.terms, self.cost) if wanted else None
 
     def look_back_at(self, wrenches: Array) -> None:
-        self.last.wrenches = wrenches
+        self.last = self.last._replace(wrenches=wrenches)
         self.cost = self.terms.base.cost(wrenches)
         self._take_last()
 
