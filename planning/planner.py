@@ -280,7 +280,7 @@ class WrenchPlanner:
             near = FORBIDDEN if exact or self._made.relax == 0.0 else now.compiled.nearest(asked, now.cost, start)
             if near is not UNPROVEN:
                 return self._left_open(lambda then: then._planned(points, target, None, start), start, near)
-        return self._planned(points, target, None, start)
+        return self._planned(points, target, None, start, exact)
 
     def _left_open(self, explained: Callable[[WrenchPlanner], Plan], start: float, near: Near = FORBIDDEN) -> Plan:
         """Infeasible, as is proven, or relaxed to what is near; why, a planner like this one of now says when asked."""
@@ -340,11 +340,13 @@ class WrenchPlanner:
         plan = self._planned(nearest.contacts, question.target, whole, start)
         return at_nearest(plan, candidates)
 
-    def _planned(self, points: Array, target: Array, choice: Choice | None, start: float) -> Plan:
-        """The plan at contacts, which were chosen or given."""
+    def _planned(self, points: Array, target: Array, choice: Choice | None, start: float, exact: bool = False) -> Plan:
+        """The plan at contacts, which were chosen or given; with `exact`, an infeasible one is not explained."""
         now = self._now
         program = now.program.at(points, target, now.cost)
         solution = now.solver.solve(program)
+        if exact and solution.status == INFEASIBLE:
+            return refusal(INFEASIBLE, solution.message, start)
         proof = None if choice is None else proof_of(choice, solution)
         if choice is None and now.compiled is not None and not solution.message:
             solution = replace(solution, message=f"fallback: {SOLVER} gave no proven answer")

@@ -42,47 +42,39 @@ class Stopping(NamedTuple):
 
     def of(self, found: Plan, asked: ArrayLike) -> Plan:
         """In the place of a plan that does not give what was asked, (3,)."""
-        near = self._nearest(found, asked)
-        if near.is_usable:
-            return near
-        stopped = self._stopped()
-        return near if stopped is None else Plan.of(vars(near) | stopped)
-
-    def _stopped(self) -> dict[str, Any] | None:
-        """What the fields of a plan are where no wrench is within the limits, or may be near what is asked. None where
-        none is found."""
-        try:
-            found = self._kept(None, self.stop(1.0))
-            free = self.now.last
-            if found.cart_wrench is None:
-                return None
-            for wanted in (found.cart_wrench, self._gentle):
-                share, within = (None, found) if wanted is None else self._largest_share(wanted)
-                if share is not None:
-                    words = f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
-                    return {"held": within.contact_wrenches, "stops": f"stops the cart {words}"}
-            self.now.go_back_to(free)
-            return {"held": found.contact_wrenches, "stops": f"stops the cart {BEYOND}"}
-        finally:
-            self.now.keep(1.0)
-
-    def _nearest(self, found: Plan, asked: ArrayLike) -> Plan:
-        """The plan that was found where the limits leave a gentle stop; else one that keeps as much of the margins as
-        leaves it; one without wrenches where the limits themselves don't."""
         after = self.now.last
         try:
-            gentle = self._gentle
+            gentle = self._kept(None, self.stop(GENTLY)).cart_wrench
             share = self._whole if gentle is None else self._largest_share(gentle)[0]
             if share == self._whole:
                 self.now.go_back_to(after)
-                return found
-            if share is None:
-                return _without_wrenches(found)
-            near = self._kept(share, asked)
-            kept = {"stops": f"keeps {100 * share:g} % of its margins"} if near.is_usable else {}
-            return Plan.of(vars(near) | kept)
+                near = found
+            else:
+                near = _without_wrenches(found) if share is None else self._near(share, asked)
+            return near if near.is_usable else Plan.of(vars(near) | self._stopped(gentle, share))
         finally:
             self.now.keep(1.0)
+
+    def _near(self, share: float, asked: ArrayLike) -> Plan:
+        near = self._kept(share, asked)
+        kept = {"stops": f"keeps {100 * share:g} % of its margins"} if near.is_usable else {}
+        return Plan.of(vars(near) | kept)
+
+    def _stopped(self, gentle: Array | None, share_of_gentle: float | None) -> dict[str, Any]:
+        """What the fields of a plan are where no wrench is within the limits, or may be near what is asked; nothing
+        where no stop is found. `gentle` is the gentle stop (3,), which a share of the margins leaves."""
+        found = self._kept(None, self.stop(1.0))
+        free = self.now.last
+        if found.cart_wrench is None:
+            return {}
+        share, within = self._largest_share(found.cart_wrench)
+        if share is None and gentle is not None and share_of_gentle is not None:
+            share, within = share_of_gentle, self._kept(share_of_gentle, gentle, exact=True)
+        if share is None:
+            self.now.go_back_to(free)
+            return {"held": found.contact_wrenches, "stops": f"stops the cart {BEYOND}"}
+        words = f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
+        return {"held": within.contact_wrenches, "stops": f"stops the cart {words}"}
 
     @property
     def _whole(self) -> float:
@@ -94,20 +86,23 @@ class Stopping(NamedTuple):
         return self.plan(wanted, exact)
 
     def _largest_share(self, wanted: ArrayLike) -> tuple[float | None, Plan]:
-        """How much of the margins lets a wrench (3,) be given, with its plan; None where the limits forbid it."""
+        """How much of the margins lets a wrench (3,) be given, with its plan, which was planned last; None where the
+        limits forbid it."""
         shares = (*SHARES, 0.0) if self.now.terms.has_margins else (0.0,)
         first = max(0, shares.index(self.share) - 1) if self.share in shares else 0
-        for share in shares[first:]:
+        share, within = self._first_of(shares[first : first + 2], wanted)
+        others = shares[first + 2 :]
+        if share is None and others and self._first_of(others[-1:], wanted)[0] is not None:  # else none of them does
+            share, within = self._first_of(others, wanted)
+        self.now.stop_share = 0.0 if share is None else share
+        return share, within
+
+    def _first_of(self, shares: tuple[float, ...], wanted: ArrayLike) -> tuple[float | None, Plan]:
+        for share in shares:
             within = self._kept(share, wanted, exact=True)
             if within.status == OPTIMAL:
-                self.now.stop_share = share
                 return share, within
         return None, within
-
-    @property
-    def _gentle(self) -> Array | None:
-        """What stops the cart gently, (3,), as far as the arms can give it."""
-        return self._kept(None, self.stop(GENTLY)).cart_wrench
 
 
 def _without_wrenches(found: Plan) -> Plan:
