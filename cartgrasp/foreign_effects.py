@@ -11,6 +11,7 @@ from .compiled_dynamics import Point
 from .effects.effect import Contribution, ForceEffect, InertiaEffect, Situation
 from .frames import Array
 from .kernels.situation import Parts
+from .kernels.workspace import N_PHI
 
 if TYPE_CHECKING:
     from .model import CartModel
@@ -24,7 +25,8 @@ def foreign_sums(
 ) -> Array:
     """What they add at a point, a block (..., size) of `kernels.workspace.Sums`."""
     dynamics, (state, time, parameters) = cart.dynamics, point
-    block = np.zeros_like(dynamics.sums(point))
+    lead = np.broadcast_shapes(state.shape[:-1], np.shape(time), parameters.shape[:-1])
+    block = np.zeros((*lead, dynamics.n_sums))
     phi, phi_by_parameters, wrench, rate, _ = dynamics.parts(block)
     for change, where in changes:
         part = change.phi_change(time, parameters[..., where])
@@ -32,8 +34,9 @@ def foreign_sums(
         if part.by_parameters is not None:
             phi_by_parameters[..., where] += part.by_parameters
     pose, velocity = state[..., :3], state[..., cart.velocity_slice] @ cart.basis_b.T
-    phi = dynamics.sums(point, block)[..., : phi.shape[-1]]
-    situation = Situation(time, pose, velocity, phi, cart.wheel_set)
+    is_all = len(changes) == len(cart.inertia_effects)  # of what changes phi; else kernels add the rest
+    whole = parameters[..., :N_PHI] + phi if is_all else dynamics.sums(point, block)[..., :N_PHI]
+    situation = Situation(time, pose, velocity, whole, cart.wheel_set)
     memory = state[..., cart.memory_slice]
     for effect, where, own in forces:
         given = situation, memory[..., own], parameters[..., where]
