@@ -10,7 +10,7 @@ from typing import ClassVar, Generic, TypeVar
 from cartgrasp.checks import brief
 from cartgrasp.collector import freeze_what_lives
 from cartgrasp.errors import CartgraspError, UsageError
-from cartgrasp.motion import Estimate, Measurement
+from cartgrasp.motion import Estimate, Measurement, Motion
 from cartgrasp.tracked_point import TrackedPoint
 
 from ..health import Health
@@ -19,6 +19,7 @@ from ..sensor_check.suspicion import REFUSED, Suspicion
 from .clock_watch import ClockWatch
 from .given import Given, check_measurement
 from .late_samples import LateSamples, SampleFilter
+from .repeated_poses import RepeatedPoses
 from .sensor_watch import SensorWatch
 from .warming import made_up_push
 
@@ -38,6 +39,8 @@ class OnlineEstimator(ABC, Generic[C]):
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
         self._samples, self._clock = LateSamples(core), ClockWatch()
+        self._repeats = RepeatedPoses()
+        self._motion: Motion | None = None  # as told last
 
     @abstractmethod
     def _told(self) -> Estimate:
@@ -48,7 +51,7 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         samples, watch = self._samples, self._watch
         try:
-            seen, before = self._tracked.at_body(measurement), samples.state.time
+            seen, before = self._repeats.news(self._tracked.at_body(measurement), self._motion), samples.state.time
             is_taken = samples.take(seen)
             self._clock.note(seen)
             now = measurement.time + samples.ahead
@@ -60,6 +63,7 @@ class OnlineEstimator(ABC, Generic[C]):
             check_measurement(measurement)
             raise
         found = self.estimate
+        self._motion = found.motion
         return found if is_taken else found._replace(health=Health.CLOCK)
 
     def warm_up(self) -> None:
