@@ -17,15 +17,16 @@ AWAY = 0.3
 """s between two steps, if not of such a period, from which on nobody drove the cart meanwhile."""
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
-IDLE = "idle_arm"
-"""The word for an arm that is felt to give little of what it is told, where health is ok."""
+IDLE, NO_ARM = "idle_arm", "no_arm"
+"""The words for an arm that is felt to give little of what it is told, and for all of them, where health is ok."""
+GIVES = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
 
 
 @dataclass(frozen=True)
 class Caution:
-    """By the estimate's health, or `idle_arm`, of which those left out change nothing. The cart also stops along its
-    path while no plan can be given, and while it is behind. After `load_changed` the filter's own deviations are as
-    wide as needed.
+    """By the estimate's health, or `idle_arm` and `no_arm`, of which those left out change nothing. The cart also stops
+    along its path while no plan can be given, and while it is behind. After `load_changed` the filter's own deviations
+    are as wide as needed. A cart that coasts, since no arm gives anything, is not waited for where it is ahead.
 
     Args:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
@@ -48,6 +49,7 @@ class Caution:
             "load_changed": 0.7,
             "outliers": 0.7,
             IDLE: 0.5,
+            NO_ARM: 0.0,
         }
     )
     widen: Mapping[str, float] = field(default_factory=lambda: {"inconsistent": 2.0, "outliers": 1.5, "no_wrench": 1.5})
@@ -60,28 +62,28 @@ class Caution:
             rule = getattr(self, name)
             check_kind(f"caution: {name}", rule, Mapping, 'write {"inconsistent": …}')
             for health, value in rule.items():
-                check_known(f"caution: {name}", [health], HEALTHS | {IDLE})
+                check_known(f"caution: {name}", [health], HEALTHS | GIVES.keys())
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, QUICKEST, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
         positive("caution: behind", self.behind, FARTHEST, "give m")
 
-    def wanted(self, health: str, last: tuple[str, str], away: float) -> tuple[float, str]:
+    def wanted(self, health: str, last: tuple[str, str], behind: float) -> tuple[float, str]:
         """The share of its speed at which the reference is to go on, and why not at all of it; of the `last` plan there
-        are status and what it says of margins; `away` is how far (m) along the path the cart is from where it was to
-        be."""
+        are status and what it says of margins; `behind` is how far (m) along the path the cart is behind where it was
+        to be."""
         status, margins = last
-        share = self.pace.get(health, 1.0)
-        if share == 1.0 and not margins and status in USABLE and away <= self.behind:
+        share = 1.0 if health == NO_ARM and behind < 0.0 else self.pace.get(health, 1.0)
+        if share == 1.0 and not margins and status in USABLE and behind <= self.behind:
             return 1.0, ""
-        why = "an arm gives little" if health == IDLE else f"health {health}"
+        why = GIVES.get(health, f"health {health}")
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: {why}")]
         if margins:
             reasons.append((self.short, f"slows to {100 * self.short:.0f} % of its speed"))
         if status not in USABLE:
             reasons.append((0.0, f"stops: the plan is {status}"))
-        if away > self.behind:
-            reasons.append((0.0, f"waits for the cart, which is {away:.2g} m away"))
+        if behind > self.behind:
+            reasons.append((0.0, f"waits for the cart, which is {behind:.2g} m behind"))
         return min(reasons, key=itemgetter(0))
 
     def wider(self, health: str) -> str:

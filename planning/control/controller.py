@@ -31,11 +31,11 @@ from ..quadratic_program import OPTIMAL
 from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
-from .caution import AWAY, IDLE, Caution, Pace
+from .caution import AWAY, IDLE, NO_ARM, Caution, Pace
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
-from .obedience import Obedience
+from .obedience import Obedience, probed
 from .regrasps import Given, Regrasps
 from .rejection import Rejection
 from .saved import Saved, as_first_guess, read_saved
@@ -196,14 +196,15 @@ class Controller:
         stop = self._braking(believed, model, time)
         if self._regrasps is None:
             plan = self._planned(wanted, chosen.contacts, told, stop)
-            given = Given(plan.contact_wrenches, plan)
+            given = Given(probed(plan.contact_wrenches, self._idle), plan)
         else:
             ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told, stop)
             given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
         self._time, self._held = time, given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
-        idle = self._obedience.idle
-        self._last = Step(time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed, idle)
+        self._last = Step(
+            time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed, self._idle
+        )
         return self._last
 
     def observe(self, measurement: Measurement) -> Estimate:
@@ -275,12 +276,14 @@ class Controller:
         if caution is None:
             self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
             return self._pace.reference(self.reference, time), self._pace.along, "" if self._knows_where else WAITS
-        planned, away, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
+        planned, behind, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
-            health = health if health != OK or not self._obedience.idle else IDLE
-            away = _along(last.reference.pose_sb, estimate.motion.pose_sb)
-        wanted, slowed = caution.wanted(health, planned, away) if self._knows_where else (0.0, WAITS)
+            if health == OK and self._idle:
+                health = NO_ARM if self._idle.keys() == self._names else IDLE
+            there = last.reference if self._pace.share > 0.0 else self.reference.at(self._pace.along)
+            behind = _behind(there, estimate.motion.pose_sb)
+        wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, WAITS)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
         self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
@@ -289,7 +292,7 @@ class Controller:
     def _believed(self, estimate: Estimate) -> Estimate:
         """What is acted on: where sensors surely don't mean what they say, nothing that was learned from them."""
         first = self._first
-        if first is None or not any(getattr(one, "is_refused", False) for one in estimate.suspicions):
+        if first is None or not self._is_misled:
             return estimate
         return estimate._replace(
             parameters=first.parameters,
@@ -297,6 +300,17 @@ class Controller:
             covariance=first.covariance,
             disturbance=None,
         )
+
+    @property
+    def _is_misled(self) -> bool:
+        """Whether sensors surely don't mean what they say."""
+        observed = self._observed
+        return observed is not None and any(getattr(one, "is_refused", False) for one in observed.suspicions)
+
+    @property
+    def _idle(self) -> Mapping[str, float]:
+        """The arms that give little of what they are told, with how much; by sensors that mean what they say."""
+        return {} if self._is_misled else self._obedience.idle
 
     def _against(self, estimate: Estimate) -> Array:
         """Planar wrench (3,) against what pushes beside all that is known."""
@@ -328,16 +342,18 @@ class Controller:
         time, health = now
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
-        regrasps.go_on(max(0.0, time - self._time))
+        regrasps.go_on(max(0.0, time - self._time), self._idle.keys())
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
 
 
-def _along(reference_sb: Array, pose_sb: Array) -> float:
-    """How far (m) a pose is from the reference's along the latter's heading."""
-    x, y, heading = reference_sb.tolist()
-    return abs(math.cos(heading) * float(x - pose_sb[0]) + math.sin(heading) * float(y - pose_sb[1]))
+def _behind(there: Reference, pose_sb: Array) -> float:
+    """How far (m) a pose is behind the reference, where that goes; from it, either way, where it stands."""
+    x, y, heading = there.pose_sb.tolist()
+    away = math.cos(heading) * float(x - pose_sb[0]) + math.sin(heading) * float(y - pose_sb[1])
+    speed = float(there.velocity[0])
+    return math.copysign(1.0, speed) * away if speed else abs(away)
 
 
 def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:

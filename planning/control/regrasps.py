@@ -2,13 +2,15 @@
 
 One hand at a time lets go. A hand with share s of its wrench gives s times what the plan of all arms asks of it, and
 the others are planned for what is left, so that the cart gets what it is to get as long as they can give it. Where its
-rate of change is limited, a ramp takes as long as that needs.
+rate of change is limited, a ramp takes as long as that needs. So it is with an arm that gives little of what it is
+told (obedience.py): the others bear what it does not, and when it is back it is loaded along a ramp.
 """
 
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping, Sequence
+from collections.abc import Collection, Mapping, Sequence
+from dataclasses import replace
 from typing import NamedTuple
 
 import numpy as np
@@ -26,9 +28,13 @@ from ..tick.stopping import Stop
 from ..tick.terms import why_no_posture
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
 from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
+from .obedience import probing
 
 RETRY = 0.2  # s until a hand that may not let go is asked again
 ALONE = "no other hand holds: the cart coasts"
+Doing = tuple[str, Phase, bool] | None
+"""The arm that gives less than it is planned to, what its hand does, and whether it is idle."""
+NOTHING: Doing = None
 
 
 class Given(NamedTuple):
@@ -57,7 +63,8 @@ class Regrasps:
         self.kept: dict[str, str] = {}
         """Why hands stay that were to go."""
         self._asked: dict[str, tuple[Point, float]] = {}
-        self._last: tuple[Phase | None, Mapping[str, Array]] = (None, {})
+        self._idle: frozenset[str] = frozenset()
+        self._last: tuple[Doing, Mapping[str, Array]] = (NOTHING, {})
 
     def warm_up(self) -> None:
         for planner in {*self._others.values(), *self._in_time.values()}:
@@ -71,8 +78,12 @@ class Regrasps:
         """Contacts of the others."""
         return {other: point for other, point in self.contacts.items() if other != name}
 
-    def go_on(self, duration: float) -> None:
-        """So many s later."""
+    def go_on(self, duration: float, idle: Collection[str] = ()) -> None:
+        """So many s later; the arms that are `idle` give little of what they are told."""
+        back, self._idle = self._idle.difference(idle), frozenset(idle)
+        for name in back:
+            if self.hands[name].phase is Phase.HOLDS:
+                self.hands[name] = replace(self.hands[name], phase=Phase.LOADS, share=0.0)
         if self.busy is not None:
             free = {name: not self._towards(name, np.zeros(6)).any() for name in self.hands}
             self.hands = {name: hand.after(duration, self._times, free[name]) for name, hand in self.hands.items()}
@@ -84,7 +95,7 @@ class Regrasps:
     def restart(self, hands: Mapping[str, Hand], wrenches: Mapping[str, Array]) -> None:
         """With hands that may be on their way, and what they gave."""
         self.hands = {name: hands[name] for name in self._yaws}
-        self._last = None, wrenches
+        self._last = NOTHING, wrenches
         self._start_from(self.busy)
 
     def send(self, contacts: Mapping[str, Array], ahead: Ahead) -> None:
@@ -109,16 +120,16 @@ class Regrasps:
     def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Stop | None = None) -> Given:
         """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart, and
         `stop` says which wrench (3,) brings it to rest where nothing is within these."""
-        name, contacts = self.busy, self.contacts
-        phase = None if name is None else self.hands[name].phase
-        if phase is not self._last[0] and self._last[1]:
+        name, contacts = self.busy or next(iter(sorted(self._idle)), None), self.contacts
+        doing = NOTHING if name is None else (name, self.hands[name].phase, name in self._idle)
+        if doing != self._last[0] and self._last[1]:
             self._start_from(name)
         if name is None:
             plan = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
             given = plan.contact_wrenches
         else:
             plan, given = self._shared(name, wrench_b, estimate, stop)
-        self._last = phase, given.wrenches
+        self._last = doing, given.wrenches
         return Given(given, plan)
 
     def _shared(
@@ -127,18 +138,26 @@ class Regrasps:
         share, own, contacts = self.hands[name].share, np.zeros(6), self.contacts
         if share > 0:
             whole = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
-            own = self._towards(name, share * whole.contact_wrenches.wrenches[name])
+            own = self._towards(name, self._borne(name, whole.contact_wrenches.wrenches[name]))
+            if name in self._idle and name not in self._others:
+                return whole, ContactWrenches({name: own}, contacts, self._yaws)
         elif not self.hands[name].is_away:
             own = self._towards(name, own)
         away = frozenset({name}) if self.hands[name].is_away else frozenset()
         if name not in self._others:
             plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
-        beside = ContactWrenches({name: own}, {name: contacts[name]}, self._yaws)
+        felt = np.zeros(6) if name in self._idle else own
+        beside = ContactWrenches({name: felt}, {name: contacts[name]}, self._yaws)
         plan = self._others[name].plan_or_hold(wrench_b, self._beside(name), estimate, stop=stop, beside=beside)
         given = plan.contact_wrenches.wrenches
-        wrenches = {other: own if other == name else given[other] for other in contacts}
+        wrenches = {other: own if other == name else self._borne(other, given[other]) for other in contacts}
         return plan, ContactWrenches(wrenches, contacts, self._yaws, away)
+
+    def _borne(self, name: str, planned: Array) -> Array:
+        """What an arm is told of a wrench (6,) that is planned for it."""
+        wrench = self.hands[name].share * planned
+        return probing(wrench) if name in self._idle else wrench
 
     def _towards(self, name: str, wanted: Array) -> Array:
         """A wrench (6,) as near to what is wanted as the arm's rates allow from what it gave last."""

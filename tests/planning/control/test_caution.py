@@ -255,6 +255,22 @@ def test_the_reference_waits_for_a_cart_that_is_behind():
     assert max(away) < 0.6  # it slows down by a ramp
 
 
+def test_a_cart_that_is_ahead_is_not_waited_for():
+    """It was, until the tracker had drawn it back."""
+    made, behind = controller(caution=Caution(behind=0.2)), []
+    for tick in ticks(made, TRUTH, 2.0):
+        behind.append("waits for the cart" in tick.step.words)
+    pose, time = tick.motion.pose_sb, tick.step.time
+    for k in range(1, 200):
+        ahead = pose + np.array([0.4, 0.0, 0.0])
+        step = made.step(cg.Measurement(time + 0.01 * k, ahead, np.zeros(3)))
+        behind.append("waits for the cart" in step.words)
+    assert not any(behind)
+    assert step.reference.pose_sb[0] > pose[0]
+    assert Caution().wanted("no_arm", ("optimal", ""), 0.1)[0] == 0.0
+    assert Caution().wanted("no_arm", ("optimal", ""), -0.1) == (1.0, "")
+
+
 @pytest.mark.parametrize("step_s", [-3.0, 0.5, 30.0])
 def test_where_the_clock_steps_the_path_goes_on_from_where_it_was(step_s):
     """Also without caution, with the speed that it had."""
