@@ -2,11 +2,13 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
 
 from cartgrasp.checks import FARTHEST, check_kind, check_known, number, positive
+from cartgrasp.frames import Array
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.roles import ReferencePath
 
@@ -17,8 +19,10 @@ AWAY = 0.3
 """s between two steps, if not of such a period, from which on nobody drove the cart meanwhile."""
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
-IDLE, NO_ARM = "idle_arm", "no_arm"
-"""The words for an arm that is felt to give little of what it is told, and for all of them, where health is ok."""
+OK, IDLE, NO_ARM = "ok", "idle_arm", "no_arm"
+"""The words for an arm that is felt to give little of what it is told, and for all of them, where health is `ok`."""
+FITS = frozenset({OK, "load_changed", "no_wrench"})
+"""Healths under which what is learned holds, as far as it says itself."""
 GIVES = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
 
 
@@ -33,6 +37,9 @@ class Caution:
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
         short: Share of the reference's speed while not all of the margins can be kept.
+        sure: Deviation of the mass, as a share of it, up to which the tracker uses what is newly learned of the cart;
+            and only where the model fits. Else it goes on with the cart that it used last, unless the new one is surer.
+            Of an estimator that tells a disturbance, which is what a cart leaves unexplained, it uses that very cart.
         behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
             path no waiting helps: wheels that don't slip get back to it by going on.
 
@@ -56,6 +63,7 @@ class Caution:
     change: float = 0.5
     short: float = 0.5
     behind: float = 0.3
+    sure: float = 0.15
 
     def __post_init__(self) -> None:
         for name, low, high in (("pace", 0.0, 1.0), ("widen", 1.0, WIDEST)):
@@ -67,6 +75,7 @@ class Caution:
         positive("caution: change", self.change, QUICKEST, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
         positive("caution: behind", self.behind, FARTHEST, "give m")
+        positive("caution: sure", self.sure, QUICKEST, "give a share")
 
     def wanted(self, health: str, last: tuple[str, str], behind: float) -> tuple[float, str]:
         """The share of its speed at which the reference is to go on, and why not at all of it; of the `last` plan there
@@ -86,6 +95,12 @@ class Caution:
             reasons.append((0.0, f"waits for the cart, which is {behind:.2g} m behind"))
         return min(reasons, key=itemgetter(0))
 
+    def is_used(self, new: Estimate, used: Estimate) -> bool:
+        """Whether the tracker is to use what is newly believed of the cart, not what it `used` last."""
+        if new.disturbance is not None:
+            return True
+        return new.health in FITS and _unsure(new) <= max(self.sure, _unsure(used))
+
     def wider(self, health: str) -> str:
         """In words, how many times as wide margins are; empty where they are as they were."""
         times = self.widen.get(health, 1.0)
@@ -97,6 +112,20 @@ class Caution:
         if times == 1.0 or estimate.covariance is None:
             return estimate
         return estimate._replace(covariance=times**2 * estimate.covariance)
+
+
+def behind_of(there: Reference, pose_sb: Array) -> float:
+    """How far (m) a pose is behind the reference, where that goes; from it, either way, where it stands."""
+    x, y, heading = there.pose_sb.tolist()
+    away = math.cos(heading) * float(x - pose_sb[0]) + math.sin(heading) * float(y - pose_sb[1])
+    speed = float(there.velocity[0])
+    return math.copysign(1.0, speed) * away if speed else abs(away)
+
+
+def _unsure(estimate: Estimate) -> float:
+    """The deviation of the mass as a share of it; 0 where nobody tells it."""
+    mass = estimate.parameters.get("mass")
+    return 0.0 if mass is None else mass.std / mass.value if mass.value > 0.0 else math.inf
 
 
 @dataclass(frozen=True)

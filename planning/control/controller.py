@@ -31,7 +31,7 @@ from ..quadratic_program import OPTIMAL
 from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
-from .caution import AWAY, IDLE, NO_ARM, Caution, Pace
+from .caution import AWAY, IDLE, NO_ARM, OK, Caution, Pace, behind_of
 from .default_filter import default_filter
 from .hand import RegraspTimes
 from .letting_go import Ahead
@@ -48,7 +48,6 @@ if TYPE_CHECKING:
 ASTRAY = ("stale", "clock_went_back")
 LOST = (*ASTRAY, "no_wrench")
 """Healths under which no hand lets go."""
-OK = "ok"
 WAITS = "waits for a first pose"
 FARTHEST_DRIFT = 10.0
 USUAL, AS_CHOSEN, CAREFUL, REJECTS = RegraspTimes(), Choosing(), Caution(), Rejection()
@@ -164,6 +163,7 @@ class Controller:
         self._last: Step | None = None
         self._first: Estimate | None = None
         self._observed: Estimate | None = None
+        self._used: Estimate | None = None  # of which the cart was
         self._time, self._pace = -math.inf, Pace(0.0)
         self._knows_where = False  # once a pose was seen
         self._obedience, self._heard = Obedience(), -math.inf
@@ -185,7 +185,7 @@ class Controller:
         time = measurement.time
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
-        model = believed.cart() if self.learns else self.cart
+        model = self._used_by(believed).cart() if self.learns else self.cart
         wanted = np.zeros(3)
         if self._knows_where:
             wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
@@ -282,7 +282,7 @@ class Controller:
             if health == OK and self._idle:
                 health = NO_ARM if self._idle.keys() == self._names else IDLE
             there = last.reference if self._pace.share > 0.0 else self.reference.at(self._pace.along)
-            behind = _behind(there, estimate.motion.pose_sb)
+            behind = behind_of(there, estimate.motion.pose_sb)
         wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, WAITS)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
@@ -300,6 +300,13 @@ class Controller:
             covariance=first.covariance,
             disturbance=None,
         )
+
+    def _used_by(self, believed: Estimate) -> Estimate:
+        """The estimate of whose cart the tracker thinks."""
+        used, caution = self._used, self._caution
+        if used is None or caution is None or self._is_misled or caution.is_used(believed, used):
+            self._used = believed
+        return self._used or believed
 
     @property
     def _is_misled(self) -> bool:
@@ -346,14 +353,6 @@ class Controller:
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
-
-
-def _behind(there: Reference, pose_sb: Array) -> float:
-    """How far (m) a pose is behind the reference, where that goes; from it, either way, where it stands."""
-    x, y, heading = there.pose_sb.tolist()
-    away = math.cos(heading) * float(x - pose_sb[0]) + math.sin(heading) * float(y - pose_sb[1])
-    speed = float(there.velocity[0])
-    return math.copysign(1.0, speed) * away if speed else abs(away)
 
 
 def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:

@@ -96,6 +96,45 @@ def test_a_cart_whose_pose_is_lost_comes_to_rest():
     assert abs(plain[-1][1].velocity[0]) > 0.2, "without caution it drives on"
 
 
+class Mistaken:
+    """An estimator that takes the cart for another from 1 s on, and says how sure it is."""
+
+    arms = ("left", "right")
+
+    def __init__(self, mass, health, deviation):
+        self.filter = CartFilter(TRUTH, self.arms)
+        self.cart, self.told = TRUTH, (mass, health, deviation)
+
+    def update(self, measurement):
+        found, (mass, health, deviation) = self.filter.update(measurement), self.told
+        if measurement.time < 1.0:
+            return found._replace(model_parameters=TRUTH.parameters)
+        other = TRUTH.with_inertia(cg.Inertia(mass, (0.3, 0.0), 2.0)).parameters
+        told = replace(found.parameters["mass"], value=mass, std=deviation * mass)
+        return found._replace(model_parameters=other, health=health, parameters={**found.parameters, "mass": told})
+
+
+@pytest.mark.parametrize(
+    ("mass", "health", "deviation", "is_used"),
+    [
+        (3.0, "ok", 0.3, False),
+        (3.0, "inconsistent", 0.01, False),
+        (3.0, "outliers", 0.01, False),
+        (40.0, "ok", 0.1, True),
+        (40.0, "load_changed", 0.1, True),
+    ],
+)
+def test_the_tracker_uses_a_cart_that_is_known(mass, health, deviation, is_used):
+    """Before, a bed that was taken for one of 11 kg, after a load that was put on while it was sped up, drove 0.99 m
+    off its path."""
+    pushes = []
+    for caution in (Caution(pace={}, widen={}), None):
+        made = Controller(TRUTH, arms(), PATH, estimator=Mistaken(mass, health, deviation), caution=caution)
+        told = [tick.step for tick in ticks(made, TRUTH, 1.3)]
+        pushes.append(np.array([step.given.wrench_b[0] for step in told if step.time > 1.005]))
+    assert np.allclose(*pushes, atol=1e-9) == is_used
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("factor", [-1.0, 1e-3], ids=["reversed", "kN"])
 def test_what_wrong_sensors_taught_is_not_acted_on(factor):
