@@ -4,10 +4,10 @@ from __future__ import annotations
 
 import math
 import os
-from collections.abc import Iterable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, NoReturn, Self
+from typing import TYPE_CHECKING, Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,7 +15,6 @@ from numpy.typing import ArrayLike
 from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, check_kind, check_known, listed, number, positive, shown
 from cartgrasp.collector import freeze_what_lives
-from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.motion import Measurement
@@ -33,6 +32,7 @@ from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
 from .caution import AWAY, IDLE, NO_ARM, OK, Caution, Pace, behind_of
 from .default_filter import default_filter
+from .given import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
 from .hand import RegraspTimes
 from .letting_go import Ahead
 from .obedience import Obedience, probed
@@ -122,6 +122,7 @@ class Controller:
         number("controller: drift", drift, 0.0, FARTHEST_DRIFT, "give m")
         if not callable(getattr(reference, "at", None)):
             raise UsageError(f"controller: reference: {shown(reference)} is no path; write PathReference(chain(…))")
+        check_for_cart(reference, cart)
         check_kind("controller: choosing", choosing, Choosing, "write Choosing(every=3.0)")
         for name, given, kind in (
             ("caution", caution, Caution),
@@ -146,7 +147,7 @@ class Controller:
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
         self._names = frozenset(arm.name for arm in self._arms)
-        _check_learns_from(self._estimator, self._names, cart)
+        check_learns_from(self._estimator, self._names, cart)
         told = rejection is not None and getattr(self._estimator, "tells_disturbance", False)
         self._tracker = build_tracker(cart.constraints, gains, told) if tracker is None else tracker
         if isinstance(contacts, str):
@@ -159,7 +160,7 @@ class Controller:
             check_kind("controller: planner", whole, WrenchPlanner, "or give regrasp=None")
             assert isinstance(whole, WrenchPlanner)
             self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
-        self._held: Mapping[str, Array] = _checked(held, self._arms)
+        self._held: Mapping[str, Array] = checked_contacts(held, self._arms)
         self._last: Step | None = None
         self._first: Estimate | None = None
         self._observed: Estimate | None = None
@@ -190,8 +191,7 @@ class Controller:
         if self._knows_where:
             wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
         chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
-        if chosen.contacts.keys() != self._names:
-            _refuse_contacts(chosen.contacts, self._arms)
+        check_chosen(chosen, self._names)
         told = self._for_planner(believed)
         stop = self._braking(believed, model, time)
         if self._regrasps is None:
@@ -251,7 +251,7 @@ class Controller:
         saved, given = read_saved(path), options.get("estimator")
         is_new = given is None or (callable(given) and not hasattr(given, "update"))
         if given is not None and is_new:
-            options["estimator"] = given(saved.cart)
+            options["estimator"] = made_estimator(given, saved.cart)
         if set(saved.hands) != {arm.name for arm in arms}:
             raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
         controller = cls(saved.cart, arms, reference, **options)
@@ -353,43 +353,6 @@ class Controller:
         if health not in LOST:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
-
-
-def _check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:
-    """Its arms, where it says which these are, are those that push; so is its cart, which is pushed."""
-    learned = getattr(estimator, "cart", cart)
-    if not np.array_equal(learned.basis_b, cart.basis_b):
-        raise UsageError(
-            f"controller: estimator: its cart, {learned.name}, rolls otherwise than {cart.name}: {learned.constraints} "
-            f"and {cart.constraints}; make it for the same cart"
-        )
-    heard = getattr(estimator, "arms", None)
-    if heard is not None and set(heard) != names:
-        raise UsageError(
-            f"controller: estimator: it adds up the wrenches of {', '.join(sorted(heard))}, and the arms are "
-            f"{', '.join(sorted(names))}; name them alike"
-        )
-
-
-def _refuse_contacts(chosen: Mapping[str, ArrayLike], arms: Sequence[Arm]) -> NoReturn:
-    names = [arm.name for arm in arms]
-    check_known("controller: contacts", chosen, names)
-    raise _not_all("contacts", chosen, names)
-
-
-def _not_all(what: str, given: Iterable[str], names: Sequence[str]) -> UsageError:
-    return UsageError(f"controller: {what}: {', '.join(given)} are not the arms {', '.join(names)}; name all of them")
-
-
-def _checked(held: Mapping[str, ArrayLike] | None, arms: Sequence[Arm]) -> dict[str, Array]:
-    """Contacts of all arms, or of none."""
-    if held is None:
-        return {}
-    check_kind("controller: held", held, Mapping, "write {'left': (-0.25, 0.2, 1.0)}")
-    names = [arm.name for arm in arms]
-    if set(held) != set(names):
-        raise _not_all("held", held, names)
-    return {name: np.array(points_of(f"controller: held: {name}", [held[name]])[0]) for name in names}
 
 
 def _nothing() -> None:

@@ -32,6 +32,7 @@ CART = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), effects=(DRAG,))
 GUESS = cg.CartModel(cg.Inertia(18.0, (0.25, 0.0), 2.0), effects=(DRAG,))
 PATH = PathReference(chain(speed_change(0.5), turn(0.8, 0.4), pause(1.0), speed_change(-0.5), pause(1.0)))
 NOISE = FilterNoise(force=1.0, moment=0.05)
+HERE = (-0.25, 0.2, 1.0)
 TIMES = RegraspTimes(speed=0.6, unload=0.15, take_hold=0.1, load=0.2)
 
 
@@ -180,6 +181,8 @@ def test_it_goes_on_from_what_was_saved(tmp_path):
     path.write_text(text)
     with pytest.raises(UsageError, match="has the hands of left, right; give these arms"):
         Controller.restored(path, arms(names=["left"]), PATH)
+    with pytest.raises(UsageError, match="what it makes of a cart, None, is no estimator"):
+        Controller.restored(path, held, PATH, estimator=lambda cart: None)
 
 
 def test_hands_that_hold_already_regrasp_first():
@@ -253,16 +256,19 @@ def test_the_path_begins_with_the_first_step_whatever_the_clock_says(caution):
 
 @pytest.mark.parametrize("regrasp", [TIMES, None])
 @pytest.mark.parametrize(
-    ("names", "why"),
+    ("said", "why"),
     [
-        (("left",), "controller: contacts: left are not the arms left, right; name all of them"),
-        (("left", "right", "rigth"), "controller: contacts: there is no 'rigth'; did you mean right"),
+        (ContactChoice({"left": HERE}), "contacts: left are not the arms left, right; name all of them"),
+        (ContactChoice(dict.fromkeys(("left", "right", "rigth"), HERE)), "there is no 'rigth'; did you mean right"),
+        (ContactChoice({"left": HERE, "right": (0.0, 0.1)}), "contacts: right: .* 3 numbers are needed, 2 given"),
+        (ContactChoice({"left": (np.nan, 0.0, 0.0), "right": HERE}), "contacts: left: .* nan is not a number"),
+        ({"left": HERE, "right": HERE}, "contacts: .* is none; return ContactChoice"),
     ],
 )
-def test_a_source_of_contacts_names_every_arm(regrasp, names, why):
+def test_a_source_of_contacts_says_where_every_arm_holds(regrasp, said, why):
     class Source:
         def contacts(self, query):
-            return ContactChoice(dict.fromkeys(names, (-0.25, 0.2, 1.0)))
+            return said
 
     controller = Controller(GUESS, arms(), PATH, contacts=Source(), regrasp=regrasp, estimator=learner())
     with pytest.raises(UsageError, match=why):
@@ -344,6 +350,17 @@ def test_an_estimator_of_a_cart_that_rolls_otherwise_is_refused():
     bed = cg.CartModel(cg.Inertia(24.0, (0.3, 0.05), 2.2), cg.RollingConstraints(None), name="bed")
     with pytest.raises(UsageError, match="its cart, bed, rolls otherwise than cart"):
         Controller(CART, arms(), PATH, estimator=CartFilter(bed, ["left", "right"]))
+
+
+@pytest.mark.parametrize("of_path", [cg.RollingConstraints(0.0, True), cg.RollingConstraints(None)])
+def test_a_path_of_a_cart_that_rolls_otherwise_is_refused(of_path):
+    with pytest.raises(UsageError, match=r"reference: .* rolls otherwise than cart: .*constraints=cart\.constraints"):
+        Controller(CART, arms(), PathReference(chain(straight(1.0, 0.5)), of_path))
+
+
+def test_a_wrench_that_is_none_is_refused_by_its_name():
+    with pytest.raises(UsageError, match="wrenches: left: None is no numbers; leave out what is missing"):
+        Controller(CART, arms(), PATH).observe(cg.Measurement(0.0, pose=np.zeros(3), wrenches={"left": None}))
 
 
 def test_what_is_no_measurement_is_refused():
