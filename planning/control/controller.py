@@ -53,6 +53,7 @@ FARTHEST_DRIFT = 10.0
 USUAL, AS_CHOSEN, CAREFUL, REJECTS = RegraspTimes(), Choosing(), Caution(), Rejection()
 
 
+# Many methods: a step is one short stage after the other, each with its name.
 class Controller:
     """Follows a reference with one cart and its arms; `step` is called once a tick.
 

@@ -44,6 +44,7 @@ class Given(NamedTuple):
     plan: AnyPlan
 
 
+# Many methods: what passes between two ticks, who may leave, and what each arm is told meanwhile.
 class Regrasps:
     """The hands of some arms, from tick to tick, and what they give."""
 
