@@ -54,10 +54,10 @@ class Fault:
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> Fault:
-        *others, latest = KINDS  # which came later: seeds that don't draw it keep their faults
+        *others, latest = KINDS  # which came later, and is drawn last: seeds without it keep their faults
         begin, kind = float(random.uniform(0.5, 1.5)), str(random.choice(others))
         end = begin + float(random.uniform(0.05, 0.8))
-        return cls(latest if end % 1e-3 < 1e-3 / len(KINDS) else kind, begin, end)
+        return cls(latest if random.random() < 1.0 / len(KINDS) else kind, begin, end)
 
     def acts(self, time: float) -> bool:
         return self.begin <= time < self.end

@@ -47,9 +47,9 @@ def check_measurement(measurement: Measurement) -> None:
     for what, by_arm, n in (("wrenches", measurement.wrenches, 6), ("contacts", measurement.contacts, 3)):
         check_kind(f"measurement: {what}", by_arm, Mapping, "write {arm: numbers}")
         parts |= {f"{what}: {arm}": (part, n) for arm, part in by_arm.items()}
-    absent = [what for what, (part, _) in parts.items() if part is None and ":" in what]
-    if absent:
-        raise UsageError(f"measurement: {absent[0]}: None is no numbers; leave out what is missing")
+        for arm, numbers in by_arm.items():
+            if numbers is None:
+                raise UsageError(f"measurement: {what}: {arm}: None is no numbers; leave out what is missing")
     for what, (part, n) in parts.items():
         if part is not None and (np.shape(part) != (n,) or np.asarray(part).dtype.kind not in "fiu"):
             raise UsageError(f"measurement: {what}: {shown(part)} is not {n} numbers")

@@ -20,7 +20,8 @@ AWAY = 0.3
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
 OK, IDLE, NO_ARM = "ok", "idle_arm", "no_arm"
-"""The words for an arm that is felt to give little of what it is told, and for all of them, where health is `ok`."""
+"""The health under which all is well; and the words for an arm that is felt to give little of what it is told, and for
+all of them, in its place."""
 FITS = frozenset({OK, "load_changed", "no_wrench"})
 """Healths under which what is learned holds, as far as it says itself."""
 GIVES = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
@@ -37,11 +38,11 @@ class Caution:
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
         short: Share of the reference's speed while not all of the margins can be kept.
+        behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
+            path no waiting helps: wheels that don't slip get back to it by going on.
         sure: Deviation of the mass, as a share of it, up to which the tracker uses what is newly learned of the cart;
             and only where the model fits. Else it goes on with the cart that it used last, unless the new one is surer.
             Of an estimator that tells a disturbance, which is what a cart leaves unexplained, it uses that very cart.
-        behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
-            path no waiting helps: wheels that don't slip get back to it by going on.
 
     Raises:
         UsageError: A number is out of bounds.

@@ -34,7 +34,6 @@ RETRY = 0.2  # s until a hand that may not let go is asked again
 ALONE = "no other hand holds: the cart coasts"
 Doing = tuple[str, Phase, bool] | None
 """The arm that gives less than it is planned to, what its hand does, and whether it is idle."""
-NOTHING: Doing = None
 
 
 class Given(NamedTuple):
@@ -65,7 +64,7 @@ class Regrasps:
         """Why hands stay that were to go."""
         self._asked: dict[str, tuple[Point, float]] = {}
         self._idle: frozenset[str] = frozenset()
-        self._last: tuple[Doing, Mapping[str, Array]] = (NOTHING, {})
+        self._last: tuple[Doing, Mapping[str, Array]] = (None, {})
 
     def warm_up(self) -> None:
         for planner in {*self._others.values(), *self._in_time.values()}:
@@ -96,7 +95,7 @@ class Regrasps:
     def restart(self, hands: Mapping[str, Hand], wrenches: Mapping[str, Array]) -> None:
         """With hands that may be on their way, and what they gave."""
         self.hands = {name: hands[name] for name in self._yaws}
-        self._last = NOTHING, wrenches
+        self._last = None, wrenches
         self._start_from(self.busy)
 
     def send(self, contacts: Mapping[str, Array], ahead: Ahead) -> None:
@@ -121,8 +120,8 @@ class Regrasps:
     def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Stop | None = None) -> Given:
         """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart, and
         `stop` says which wrench (3,) brings it to rest where nothing is within these."""
-        name, contacts = self.busy or next(iter(sorted(self._idle)), None), self.contacts
-        doing = NOTHING if name is None else (name, self.hands[name].phase, name in self._idle)
+        name, contacts = self.busy or min(self._idle, default=None), self.contacts
+        doing = None if name is None else (name, self.hands[name].phase, name in self._idle)
         if doing != self._last[0] and self._last[1]:
             self._start_from(name)
         if name is None:

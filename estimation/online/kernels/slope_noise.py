@@ -81,9 +81,9 @@ def rid(
     left = covariance - crossed - turned(crossed) + congruence(gain, usual)
     found = Rid(np.zeros((len(innovation), len(free))), left, turned(by_wrench) - product(usual, turned(gain)))
     for q in range(len(free)):
-        for i in range(len(taken)):
-            for j in range(len(taken)):
-                found.slopes[i, q] += row.by_rise[i, j, free[q]] * taken[j]
+        slope = times(row.by_rise[:, :, free[q]].copy(), taken)
+        for i in range(len(slope)):
+            found.slopes[i, q] = slope[i]
     return found
 
 

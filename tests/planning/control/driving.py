@@ -18,12 +18,20 @@ class Tick(NamedTuple):
     motion: Motion
 
 
+# Many parameters: what may be spoiled, each with a default.
 def ticks(
-    controller, truth, duration, noise=None, seed=3, blind=lambda time: False, spoiled=lambda felt, given: (felt, given)
+    controller,
+    truth,
+    duration,
+    noise=None,
+    seed=3,
+    blind=lambda time: False,
+    spoiled=lambda felt, given: (felt, given),
+    pose_sb=(0.0, 0.0, 0.0),
 ):
-    """Of a controller that drives a true cart for so many s; `blind` at some times, with what is felt and given
-    `spoiled`."""
-    plant = ModelPlant(truth)
+    """Of a controller that drives a true cart, which stands at `pose_sb`, for so many s; `blind` at some times, with
+    what is felt and given `spoiled`."""
+    plant = ModelPlant(truth, pose_sb=pose_sb)
     sensors = Sensors(truth, noise or SensorNoise(force=1.0, moment=0.05), seed=seed)
     for _ in range(round(duration / controller.period)):
         sensed = sensors.motion(plant.time, plant.motion)
