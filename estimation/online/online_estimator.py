@@ -17,6 +17,7 @@ from ..health import Health
 from ..parameter_report import as_taught
 from ..sensor_check.suspicion import REFUSED, Suspicion
 from .clock_watch import ClockWatch
+from .frozen_wrenches import FrozenWrenches
 from .given import Given, check_measurement
 from .late_samples import LateSamples, SampleFilter
 from .repeated_poses import RepeatedPoses
@@ -39,7 +40,7 @@ class OnlineEstimator(ABC, Generic[C]):
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
         self._samples, self._clock = LateSamples(core), ClockWatch()
-        self._repeats = RepeatedPoses()
+        self._repeats, self._frozen = RepeatedPoses(), FrozenWrenches()
         self._motion: Motion | None = None  # as told last
 
     @abstractmethod
@@ -51,9 +52,10 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         samples, watch = self._samples, self._watch
         try:
-            seen, before = self._repeats.news(self._tracked.at_body(measurement), self._motion), samples.state.time
-            is_taken = samples.take(seen)
-            self._clock.note(seen)
+            news = self._frozen.news(self._repeats.news(self._tracked.at_body(measurement), self._motion))
+            before = samples.state.time
+            is_taken = samples.take(news)
+            self._clock.note(news)
             now = measurement.time + samples.ahead
             is_slow = not now - before < AT_ONCE
             is_free = now >= watch.due and (is_slow or not samples.state.worked)

@@ -54,7 +54,7 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
     headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))
-    told = (*headed, *of_speeds, *repeated(log, fresh), *between, *quantised(log), *slow(log))
+    told = (*headed, *of_speeds, *repeated(log, fresh), *between, *quantised(log), *slow(log), *jumps(fresh))
     return Sensors(right, told)
 
 
@@ -88,7 +88,7 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
         of_arms = (*of_arms, *of_wheels(balances, cart))
     motions = [motion, *_motions(part for part in parts if part is not longest)]
-    jumped = (one for part in parts for one in jumps(part))
+    jumped = (one for part in parts if part is not longest for one in jumps(part))
     found = (*told, *sensors.suspicions, *of_arms, *jumped, *_holes(parts))
     return Look(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
 

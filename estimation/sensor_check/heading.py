@@ -16,6 +16,7 @@ from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..log_noise.log_noise import noise_floor
 from .evidence import evidence, independent_rows, probabilities
 from .suspicion import TOLD, Suspicion
 from .windows import FEWEST, Track, Windows
@@ -34,6 +35,8 @@ READINGS: tuple[tuple[str, float, float | None, str], ...] = (
 first."""
 MISALIGNED = 0.1
 """rad, within which an offset is one that an effect of the vocabulary tells (`wheel_misalignment`)."""
+STILL = 4.0
+"""Times the square of what white noise of the places alone makes: a cart that goes no farther says nothing."""
 WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
 """Odds of each wrong reading: one log in a hundred; share of all offsets that lie so near to a known one."""
 
@@ -94,7 +97,8 @@ def displacements(track: Track) -> Displacements | None:
     across = sums.along(track.y, c) - sums.along(track.x, s)
     both, turned = np.column_stack([along, across])[kept], sums.along(track.heading)[kept]
     size, turning = float((both**2).sum()), float(turned @ turned)
-    if kept.sum() < FEWEST or size <= 0:
+    noise = sum(noise_floor(place) ** 2 for place in (track.x, track.y)) * sums.rate_noise(kept)
+    if kept.sum() < FEWEST or size <= STILL * noise:
         return None
     if turning <= 0:
         return Displacements(both[:, 0], both[:, 1], size, 0.0, math.inf)

@@ -1,47 +1,99 @@
 """Poses that jump: a tracker that lost the cart and found it elsewhere.
 
-A cart that is hit changes its speed; one that was moved in a row goes on as before, so that row alone is unlike those
-around it, by more than any acceleration there and back.
+Straight lines through the poses before a moment and through those after it miss each other there by how far the pose
+jumped. A cart that is hit changes its speed, and they meet. So a jump is where they miss each other by far more than
+noise and driving make of it, and a single step goes most of the way.
 """
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
+from .repeated_rows import without_repeats
 from .suspicion import Suspicion
 
-HARDEST = {"pose": 100.0, "heading": 200.0}
-"""m/s² and rad/s²: no cart is accelerated so hard, not by an impact, for a row there and a row back."""
-UNLIKE, USUAL = 10.0, 0.9
-"""Times what a tenth of the rows exceed of what noise, coarse steps and rows that repeat do."""
-FEWEST = 20
-"""Rows."""
+AROUND, FEWEST = 0.1, 4
+"""s, and rows at least, through which a line goes."""
+USUAL, UNLIKE = 0.9, 4.0
+"""Share of all moments whose misses are usual; times that. It is 2.3 for white noise, and 3.8 at most in measured
+logs."""
+MOST = 0.6, 1.5
+"""What a step is of a jump, beside what noise makes of both."""
+HARDEST = {"pose": 1.0, "heading": 1.0}
+"""m/s and rad/s: half of what a hit changes a speed by. It does within a step, at any moment of it."""
+EVEN = 1.5
+"""Times as long as usual that rows may take: lines through a hole say nothing."""
 
 
 def jumps(log: RunLog) -> tuple[Suspicion, ...]:
     """`jumps` of places and headings."""
     told = []
+    for where, (times, sizes) in _found(log).items():
+        if len(times):
+            most, unit = int(np.argmax(sizes)), {"pose": "m", "heading": "rad"}[where]
+            often = "once" if len(times) == 1 else f"{len(times)} times"
+            words = (
+                f"{where}: jumps {often}, the farthest by {sizes[most]:.3g} {unit} at t = {times[most]:g} s, and "
+                "goes on as before: a tracker that lost the cart; the log is taken apart there"
+            )
+            told.append(Suspicion("jumps", where, 0.99, float(sizes[most]), words, put_right=True))
+    return tuple(told)
+
+
+def jump_times(log: RunLog) -> Array:
+    """The times (s) of the rows in which a pose or a heading jumped."""
+    return np.unique(np.concatenate([times for times, _ in _found(log).values()]))
+
+
+def _found(log: RunLog) -> dict[str, tuple[Array, Array]]:
+    """Times (s) of rows that jumped, and sizes."""
+    log = without_repeats(log)
     there = np.isfinite(log.pose).all(axis=1)
     time, pose = log.time[there], log.pose[there]
-    if len(time) < FEWEST:
-        return ()
-    steps = {"pose": np.diff(pose[:, :2], axis=0), "heading": np.diff(np.unwrap(pose[:, 2]))[:, None]}
-    for where, step in steps.items():
-        size = _beside(step, np.diff(time))
-        usual = float(np.quantile(size, USUAL))
-        at = np.flatnonzero(size > np.maximum(UNLIKE * usual, HARDEST[where] * np.diff(time) ** 2))
-        if len(at):
-            most, unit = at[int(np.argmax(size[at]))], {"pose": "m", "heading": "rad"}[where]
-            times = "once" if len(at) == 1 else f"{len(at)} times"
-            words = (
-                f"{where}: jumps {times}, the farthest by {size[most]:.3g} {unit} at t = {time[most + 1]:g} s, and "
-                "goes on as before: a tracker that lost the cart; cut the log there"
-            )
-            told.append(Suspicion("jumps", where, 0.99, float(size[most]), words))
-    return tuple(told)
+    tracks = {"pose": pose[:, :2], "heading": np.unwrap(pose[:, 2])[:, None]}
+    return {where: _jumped(time, track, HARDEST[where]) for where, track in tracks.items()}
+
+
+def _jumped(time: Array, track: Array, hardest: float) -> tuple[Array, Array]:
+    """Times (m,) and sizes (m,) of the jumps of a track (n, k)."""
+    nothing = np.zeros(0), np.zeros(0)
+    if len(time) < 2:
+        return nothing
+    period = float(np.median(np.diff(time)))
+    rows = max(math.ceil(AROUND / period), FEWEST)
+    if len(time) <= 4 * rows:
+        return nothing
+    missed = np.linalg.norm(_misses(track, rows), axis=1)
+    at = np.arange(rows - 1, len(time) - rows)
+    even = time[at + rows] - time[at + 1 - rows] < EVEN * (2 * rows - 1) * period
+    step = _beside(np.diff(track, axis=0), np.diff(time))[at]
+    usual = float(np.quantile(missed[even], USUAL)) if even.any() else math.inf
+    is_far = missed > max(UNLIKE * usual, hardest * period)
+    is_one = (step > MOST[0] * missed) & (step < MOST[1] * missed)
+    peak = missed == _largest_around(missed, rows)
+    own = np.flatnonzero(even & is_far & is_one & peak)
+    return time[at[own] + 1], missed[own]
+
+
+def _misses(track: Array, rows: int) -> Array:
+    """By how much (n - 2 rows + 1, k) lines through so many rows before and after a step miss each other in its
+    middle."""
+    x = np.arange(rows) - (rows - 1) / 2
+    weight = 1 / rows + (rows / 2) * x / float(x @ x)  # of a line, half a step beyond its last row
+    before = np.stack([np.convolve(column, weight[::-1], "valid") for column in track.T], axis=1)
+    after = np.stack([np.convolve(column, weight, "valid") for column in track.T], axis=1)
+    return np.asarray(after[rows:] - before[:-rows])
+
+
+def _largest_around(values: Array, rows: int) -> Array:
+    """The largest (n,) of the values within so many rows."""
+    padded = np.pad(values, rows, constant_values=-math.inf)
+    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * rows + 1).max(axis=1))
 
 
 def _beside(step: Array, span: Array) -> Array:

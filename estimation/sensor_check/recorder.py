@@ -19,6 +19,8 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
 from ..log_noise.marks import marked
 from ..log_noise.resolution import ROUNDING
+from .clipped_wrenches import clipped_arm
+from .frozen_wrenches import frozen_arm, without_frozen
 from .repeated_rows import local_change, repeats_fast
 from .suspicion import Suspicion
 
@@ -52,8 +54,8 @@ def unread(log: RunLog) -> tuple[Suspicion, ...]:
 
 
 def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
-    """Suspicions of poses and velocities that repeat the rows before, as often as a recorder writes them again. The
-    fresh log lacks such rows."""
+    """Suspicions of poses and velocities that repeat the rows before, as often as a recorder writes them again, and of
+    wrenches that froze, or are at the end of their range. The fresh log lacks such rows."""
     told = []
     pairs = {"pose": (log.pose, fresh.pose)}
     if log.velocity is not None and fresh.velocity is not None:
@@ -68,6 +70,10 @@ def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
             )
             factor = len(again) / max(len(again) - int(again.sum()), 1)
             told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
+    for name, arm in log.arms.items():
+        frozen_one = frozen_arm(name, arm, log.time)
+        told += [] if frozen_one is None else [frozen_one]
+        told += clipped_arm(name, without_frozen(arm), log.time)
     return tuple(told)
 
 

@@ -1,4 +1,5 @@
-"""Poses that were recorded twice: a recorder writes the last one again where no new one came in time.
+"""Poses that were recorded twice: a recorder writes the last one again where no new one came in time. And wrenches of a
+sensor that froze (`frozen_wrenches.py`), or is at the end of its range (`clipped_wrenches.py`).
 
 Such a row is no measurement: taken as one, the cart stands still in it and then jumps.
 """
@@ -13,6 +14,8 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from ..log_noise.resolution import TINY, USUAL
+from .clipped_wrenches import without_clipped
+from .frozen_wrenches import without_frozen
 
 LONGEST = 0.25
 """s: what repeats for longer rests."""
@@ -27,9 +30,10 @@ SLOW = 0.25
 
 
 def without_repeats(log: RunLog) -> RunLog:
-    """The log, with poses and velocities that repeat the ones before as missing samples."""
+    """The log, with poses, velocities and wrenches that are no measurements as missing samples."""
     velocity = None if log.velocity is None else _without(log.velocity, log.time)
-    return replace(log, pose=_without(log.pose, log.time), velocity=velocity)
+    arms = {name: without_clipped(without_frozen(arm)) for name, arm in log.arms.items()}
+    return replace(log, pose=_without(log.pose, log.time), velocity=velocity, arms=arms)
 
 
 def repeats_fast(again: np.ndarray, change: Array) -> bool:

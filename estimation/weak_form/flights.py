@@ -1,8 +1,8 @@
-"""A log that is cut where the cart was hit, or nobody saw it: each part is a motion of its own."""
+"""A log that is cut where the cart was hit, or its pose jumped, or nobody saw it: each part is a motion of its own."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import replace
 from itertools import pairwise
 
@@ -17,7 +17,7 @@ from ..impacts.impacts import Impact
 from .balances import Balances
 
 TOUCH = 0.05
-"""Time (s) on each side of an impact that is left out: a touch, and how well it is timed."""
+"""Time (s) on each side of an impact, or a jump, that is left out: a touch, and how well it is timed."""
 NEAR = 0.03
 """Distance (m) from a stop at which a cart leans on it, or hits it too softly to be seen."""
 LONGEST_HOLE = 30.0
@@ -26,16 +26,16 @@ SHORTEST = 1.0
 """Shortest part (s) that says anything."""
 
 
-def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact]) -> list[Balances]:
-    """The parts between impacts, and away from stops, that are long enough."""
-    return [Balances.of(part, cart) for part in pieces(log, impacts)]
+def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[Balances]:
+    """The parts between impacts and times (s) at which the pose jumped, and away from stops, that are long enough."""
+    return [Balances.of(part, cart) for part in pieces(log, impacts, jumps)]
 
 
-def pieces(log: RunLog, impacts: Sequence[Impact]) -> list[RunLog]:
+def pieces(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[RunLog]:
     """The parts of the log's rows that `flights` takes."""
     away = np.ones(len(log), dtype=bool)
-    for impact in impacts:
-        away &= np.abs(log.time - impact.time) > TOUCH
+    for time in (*(impact.time for impact in impacts), *jumps):
+        away &= np.abs(log.time - time) > TOUCH
     for stop in end_stops(impacts):
         away &= ~(np.abs(log.pose[:, 0] - stop.position) < NEAR)
     edges = np.flatnonzero(np.diff(np.r_[False, away, False].astype(int)))
@@ -46,7 +46,8 @@ def pieces(log: RunLog, impacts: Sequence[Impact]) -> list[RunLog]:
     ]
     if not parts:
         raise DataError(
-            f"{log.name}: it is hit so often that no {SHORTEST:g} s of it are left; record it between stops"
+            f"{log.name}: it is hit, or its pose jumps, so often that no {SHORTEST:g} s of it are left; record it "
+            "between stops, with a tracker that keeps the cart"
         )
     return parts
 

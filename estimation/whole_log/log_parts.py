@@ -15,6 +15,7 @@ from cartgrasp.model import CartModel
 from ..impacts.impacts import impacts
 from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
+from ..sensor_check.jumps import jump_times
 from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps, check_sizes
 from ..weak_form.balances import Balances
@@ -68,7 +69,8 @@ def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
     check_jumps(log, float(MotionNoise.of(log).pose[0]))
     try:
         hits = impacts(log, cart)
-        return pieces(log, hits) if hits else [log]
+        lost = jump_times(log)
+        return pieces(log, hits, lost) if hits or len(lost) else [log]
     except DataError as error:
         raise NothingSaidError(str(error)) from error
 

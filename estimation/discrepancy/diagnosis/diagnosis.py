@@ -24,6 +24,7 @@ from ...impacts.end_stops import StopEstimate, end_stops
 from ...impacts.impacts import Impact, impacts
 from ...log_noise.glitches import without_glitches
 from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
+from ...sensor_check.jumps import jump_times
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
 from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
@@ -327,7 +328,9 @@ def _diagnosed(
         found = impacts(log, _as_heavy(cart, band))
         check = checked(log, cart, whole)
         checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart), *of_wheels(whole, cart))))
-        between = [part for part in flights(sensors.log, cart, found) if len(part.used)] if found else []
+        lost = jump_times(sensors.log)
+        cut = flights(sensors.log, cart, found, lost) if found or len(lost) else ()
+        between = [part for part in cut if len(part.used)]
         parts += between or [whole]
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
@@ -342,7 +345,7 @@ def _diagnosed(
         final = without(final, keys)
         gap, stays = told_gap(nominal, final)
     offsets = clock_offsets(final)
-    told = checks if hits else with_clock_offsets(checks, offsets)
+    told = checks if len(offsets) > len(checks) else with_clock_offsets(checks, offsets)
     return Diagnosis(
         cart,
         tuple(told),

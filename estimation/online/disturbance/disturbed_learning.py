@@ -115,8 +115,8 @@ class DisturbedLearning:
         if observed is None or disturbance is None:
             return told
         health, is_silent = told.health, self.time - self._felt > TIME_OUT
-        if health == Health.NO_WRENCH and disturbance.acts:
-            health = Health.OUTLIERS  # wrenches are there, and kept back
+        if health == Health.NO_WRENCH and math.isfinite(self._felt) and not is_silent:  # they are there, and wait
+            health = Health.OUTLIERS if math.isfinite(self._kept_back) else Health.OK
         elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
             health = Health.NO_WRENCH
         return self._doubted(told)._replace(

@@ -19,6 +19,7 @@ from ..resets import Resets
 from ..whiteness import Whiteness
 from .regression_belief import GATE, Innovation
 from .trial import Trial
+from .wrench_loudness import WrenchLoudness
 
 ROWS = 10
 """Rows of the chi-squared test: a second."""
@@ -27,6 +28,8 @@ FALSE_ALARM, FALSE_LOAD = 1e-3, 1e-2
 STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
+"""Rows by which it is known how loud the noise is. In fewer a load must be as much likelier than louder noise, and
+deviations are told as if noise were as loud as it seems."""
 SMOOTHING = 0.1
 LASTING, ODD_SHARE = 200, 0.15
 """Rows over which is counted how many a push is said to have been in, or are outliers, and the share of them beyond
@@ -53,20 +56,29 @@ class LoadWatch:
         self._unfit: int | None = None  # how many rows have fitted since what did not end
         self._is_tried = False  # whether a load or a push is told, though not yet for good
         self._white = Whiteness()
+        self._unsure = 1.0
         self.ratio, self.health = 0.0, Health.OK
 
-    def note(self, time: float, innovation: Innovation, root: Array) -> bool:
+    def note(self, time: float, innovation: Innovation, root: Array, loudness: WrenchLoudness) -> bool:
         """Whether a load has to be thought of now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
         self.follow(time, innovation)
         self._since = _followed(self._since, (innovation.information, innovation.by_noise, innovation.pull))
         self._seen += 1
         self._squares = (*self._squares, min(innovation.square, GATE * self._n))[-ROWS:]
-        may = self._seen >= SETTLING_ROWS and self._resets.are_allowed and self._fits
-        is_suspected = may and not (sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD))
+        may = self._resets.are_allowed and self._fits
+        self._unsure = loudness.excess if self._seen < SETTLING_ROWS else 1.0
+        is_suspected = may and not self._rows_fit(root, loudness.gain)
         if is_suspected:
             self._begin_anew()
         return is_suspected
+
+    def _rows_fit(self, root: Array, louder: float) -> bool:
+        """Whether the last rows are as they should be; `louder` is how much likelier (a logarithm) louder noise makes
+        them."""
+        if self._seen < SETTLING_ROWS:
+            return bool(self._evidence(root) < louder - np.log(FALSE_LOAD))
+        return sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD)
 
     def hear_of_load(self, time: float) -> None:
         """Somebody else found another load."""
@@ -105,8 +117,8 @@ class LoadWatch:
     @property
     def excess(self) -> float:
         """How many times as large as told the variance of sums of innovations over seconds is, of which estimates are
-        made: at least, but for chance."""
-        return max(self._white.level / (1.0 + self._white.chance), 1.0)
+        made: at least, but for chance; while noise is not known, as much as it may be."""
+        return max(self._white.level / (1.0 + self._white.chance), self._unsure)
 
     @property
     def _fits(self) -> bool:

@@ -329,7 +329,7 @@ class ParameterLearner:
             self._settle(told, time)
             return Decided()
         root = self._root_of_load
-        if not self._watch.note(time, told, root):
+        if not self._watch.note(time, told, root, self.loudness):
             return Decided()
         floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
         beginning = Beginning.of(time, self._taken, root @ root.T, floor, self._push)

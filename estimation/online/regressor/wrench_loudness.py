@@ -69,6 +69,16 @@ class WrenchLoudness:
         return type(self)(told, float(LEVELS[np.argmax(told - RARE * np.arange(len(LEVELS)))]), last)
 
     @property
+    def gain(self) -> float:
+        """How much likelier (a logarithm) the last rows are with the level that suits them best."""
+        return float(self.told.max() - self.told[round(math.log2(self.usual))])
+
+    @property
+    def excess(self) -> float:
+        """How many times as loud that level is, 1 at least."""
+        return max(float(LEVELS[np.argmax(self.told)]) / self.usual, 1.0)
+
+    @property
     def suspicions(self) -> tuple[Suspicion, ...]:
         times = math.sqrt(self.usual)
         if times < TOLD_FROM:

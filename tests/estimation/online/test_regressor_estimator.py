@@ -21,6 +21,7 @@ from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.load_watch import LoadWatch
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import LATENESS, LATENESS_STD, Innovation, RegressionBelief
+from estimation.online.regressor.wrench_loudness import WrenchLoudness
 from estimation.whole_log.replay import replay
 
 from ..runs import integrate, pushed, simulate, simulate_two_hands, wrench_rows
@@ -370,6 +371,7 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
                 1.0, asked @ news, asked @ slopes, np.zeros((3, 3)), *(own := (news, spread, spread)), own, spread
             ),
             root_of(load),
+            WrenchLoudness(),
         )
     ratios = []
     for first in range(5):

@@ -4,11 +4,16 @@ from dataclasses import replace
 
 import numpy as np
 import pytest
+from hypothesis import given, settings
+from hypothesis import strategies as st
 
+from cartgrasp.logs import ArmLog
 from estimation.sensor_check import check_sensors
-from estimation.sensor_check.jumps import jumps
+from estimation.sensor_check.jumps import jump_times, jumps
+from estimation.weak_form.flights import pieces
+from estimation.whole_log.identification import identify
 
-from .logs import CART, found, sealed, two_hands
+from .logs import CART, cart_of, found, sealed, two_hands
 
 
 @pytest.mark.parametrize(("where", "by"), [("pose", (0.05, 0, 0)), ("pose", (0, -2, 0)), ("heading", (0, 0, 0.2))])
@@ -21,6 +26,36 @@ def test_a_jump_is_told_with_its_size_and_time(where, by):
     assert "once" in told.words
     assert "at t = 17" in told.words
     assert ("jumps", where) in found(check_sensors(moved, CART))
+
+
+@settings(max_examples=10)
+@given(seed=st.integers(0, 3), by=st.floats(0.02, 0.1), way=st.floats(-np.pi, np.pi), rate=st.sampled_from([1, 2, 3]))
+def test_small_jumps_are_found(seed, by, way, rate):
+    """Of ten times the noise and more, of poses at 100, 50 and 33 Hz: the log is taken apart there."""
+    log = two_hands(seed)
+    rows = np.arange(0, len(log), rate)
+    noise = 0.002 * np.random.default_rng(seed).standard_normal((len(rows), 3))
+    pose = log.pose[rows] + noise + np.outer(log.time[rows] > 17.0, (by * np.cos(way), by * np.sin(way), 0.0))
+    moved = replace(
+        log, time=log.time[rows], pose=pose, velocity=None,
+        arms={name: ArmLog(arm.contact[rows], arm.wrench[rows]) for name, arm in log.arms.items()},
+    )  # fmt: skip
+    if by > 1.2 * rate * 0.01:
+        (time,) = jump_times(moved)
+        assert 17.0 < time < 17.0 + 0.011 * rate
+        assert len(pieces(moved, (), [time])) == 2
+
+
+def test_jumps_teach_nothing():
+    """Before, a mass of 24 kg was told as 13.5 ± 1.7 kg, and loads that slosh, pushes and payloads were named."""
+    log, random = two_hands(2), np.random.default_rng(5)
+    pose = log.pose + 0.002 * random.standard_normal(log.pose.shape)
+    for time in (8.0, 16.0, 25.0, 33.0):
+        pose = pose + np.outer(log.time > time, (*random.choice([-0.04, 0.04], 2), 0.0))
+    moved = replace(log, pose=pose, velocity=None)
+    assert len(jump_times(moved)) == 4
+    mass = identify([moved], cart_of(0.7)).parameters["mass"]
+    assert abs(mass.value - 24.0) < 4.0 * mass.std < 4.0
 
 
 @pytest.mark.long

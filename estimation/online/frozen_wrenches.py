@@ -1,0 +1,75 @@
+"""Wrenches that come again, to the last bit, under new stamps: a force sensor, or its driver, that has frozen.
+
+A sensor is known by its first rows: how seldom one repeats the last by chance, and whether its noise goes to and fro,
+as white noise does in two rows of three. Of one that tells noise, a run of repeats that is too long for chance is no
+measurement. Of any other nothing is said, nor of a hand that gives nothing.
+"""
+
+from __future__ import annotations
+
+import math
+from dataclasses import replace
+
+import numpy as np
+
+from cartgrasp.frames import Array
+from cartgrasp.motion import Measurement
+
+MANY, TO_AND_FRO = 200, 0.5
+"""Rows by which a sensor is known; share of these in which a component turns round, from which on that is noise."""
+RARE = 1e-6
+"""Probability of a run that is too long for chance."""
+NOTHING = np.zeros(6)
+
+
+class FrozenWrenches:
+    """Takes samples in the order in which they come."""
+
+    def __init__(self) -> None:
+        self._arms: dict[str, _Sensor] = {}
+
+    def news(self, measurement: Measurement) -> Measurement:
+        """With numbers that are none for wrenches that froze."""
+        if not measurement.wrenches:
+            return measurement
+        frozen = []
+        for arm, wrench in measurement.wrenches.items():
+            sensor = self._arms.get(arm)
+            if sensor is None:
+                sensor = self._arms[arm] = _Sensor()
+            if sensor.repeats(measurement.time, np.asarray(wrench, dtype=float)):
+                frozen.append(arm)
+        if not frozen:
+            return measurement
+        return replace(measurement, wrenches={**measurement.wrenches, **dict.fromkeys(frozen, np.full(6, np.nan))})
+
+
+class _Sensor:
+    """What is known of one arm's sensor, and the last that it told."""
+
+    def __init__(self) -> None:
+        self._time, self._last, self._run = -math.inf, b"", 0
+        self._rows = self._again = 0
+        self._wrench = self._change = NOTHING
+        self._turned = np.zeros(6)
+        self._longest: int | None = None  # run that may be by chance; None: it tells no noise, or is not known
+
+    def repeats(self, time: float, wrench: Array) -> bool:
+        if not time > self._time:
+            return False
+        self._time, told = time, wrench.tobytes()
+        is_again, self._last = told == self._last, told
+        self._run = self._run + 1 if is_again else 0
+        if self._rows < MANY:
+            self._learn(wrench, is_again)
+        return self._longest is not None and self._run > self._longest and bool(wrench.any())
+
+    def _learn(self, wrench: Array, is_again: bool) -> None:
+        if wrench.shape != (6,) or not np.isfinite(wrench).all():
+            return
+        change = wrench - self._wrench
+        self._turned += change * self._change < 0.0
+        self._wrench, self._change = wrench, change
+        self._rows, self._again = self._rows + 1, self._again + is_again
+        if self._rows == MANY and self._turned.max() > TO_AND_FRO * MANY:
+            self._longest = math.ceil(math.log(RARE) / math.log((self._again + 1) / (MANY + 2)))

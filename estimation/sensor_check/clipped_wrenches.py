@@ -1,0 +1,61 @@
+"""Wrenches beyond what a sensor can tell, which it tells as the end of its range: what acted then is not known.
+
+Noise keeps a sensor from telling one number twice. One that is the largest of all, and comes far more often than any
+other, is such an end. Rows of it are left out: taken as they are, they make the cart too light.
+"""
+
+from __future__ import annotations
+
+from collections.abc import Iterator
+from typing import NamedTuple
+
+import numpy as np
+
+from cartgrasp.errors import printable
+from cartgrasp.frames import Array
+from cartgrasp.logs import ArmLog
+
+from .frozen_wrenches import tells_noise
+from .suspicion import Suspicion
+
+NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
+FEWEST, OFTEN = 10, 5.0
+"""Rows at an end; times as many as of any other number."""
+
+
+class End(NamedTuple):
+    """A component's index, the number (N or N·m) that it does not go beyond, and where (n,) it is told."""
+
+    component: int
+    value: float
+    rows: np.ndarray
+
+
+def ends(wrench: Array) -> Iterator[End]:
+    """The ends of range that a wrench (n, 6), NaN where missing, was told at. Nothing is no end."""
+    for i, column in enumerate(wrench.T):
+        known = column[np.isfinite(column)]
+        both = (known.max(), known.min()) if len(known) else ()
+        within = known[~np.isin(known, both)]
+        for value in both if tells_noise(within[:, None]) else ():
+            count = int((known == value).sum())
+            if value != 0.0 and count >= FEWEST and count > OFTEN * np.unique(within, return_counts=True)[1].max():
+                yield End(i, float(value), column == value)
+
+
+def without_clipped(arm: ArmLog) -> ArmLog:
+    """The arm, with such rows as missing samples."""
+    rows = np.any([np.zeros(len(arm.wrench), dtype=bool), *(end.rows for end in ends(arm.wrench))], axis=0)
+    return ArmLog(arm.contact, np.where(rows[:, None], np.nan, arm.wrench)) if rows.any() else arm
+
+
+def clipped_arm(name: str, arm: ArmLog, time: Array) -> Iterator[Suspicion]:
+    """`scale` of an arm, by component and end."""
+    for end in ends(arm.wrench):
+        unit, count = "N" if end.component < 3 else "N·m", int(end.rows.sum())
+        words = (
+            f"{printable(name)}: {NAMES[end.component]} is {end.value:.6g} {unit} in {count} of {len(time)} rows, "
+            f"first at t = {time[int(np.argmax(end.rows))]:g} s, and never beyond: the end of the sensor's range; "
+            "these rows are left out: push less, or take a sensor for more"
+        )
+        yield Suspicion("scale", name, 0.99, None, words, put_right=True)
