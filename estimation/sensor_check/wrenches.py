@@ -9,7 +9,7 @@ the mass by its factor, which is weighed with how sure the file's is.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator
+from collections.abc import Iterable, Iterator, Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -44,6 +44,8 @@ TRACE = 1e-8
 """Share of the largest below which smaller directions are rounding."""
 FARTHEST = 5.0
 """m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
+STRETCH, STRETCHES = 1 / 3, (0.0, 1 / 6, 1 / 3, 1 / 2, 2 / 3)
+"""Share of what the cart did that lies in a stretch; where they begin."""
 KINDS = ("sign", "axes", "frame", "unit")
 
 
@@ -87,6 +89,11 @@ class Balance:
         how = all_of.reshape(len(all_of), -1)
         return np.maximum(np.einsum("ri,ri->r", how @ gram, how), 0.0), how @ seen, float(self.motion @ self.motion)
 
+    def rows(self, kept: np.ndarray) -> Balance:
+        """Some rows alone."""
+        taken_out = round(self.taken_out * kept.mean())
+        return Balance(self.motion[kept], self.signals[kept], taken_out)
+
     def as_recorded(self) -> Array:
         """The sum (k,) of the arms' signals, as they are."""
         return np.asarray(np.einsum("kaij,ij->k", self.signals, mountings()[0].taken))
@@ -114,19 +121,10 @@ def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], 
     known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if far or known is None:
         return far, "the cart moves too little, or for too short a time" if balances.wrenches.arms and not far else ""
-    forward, sideways, turning = known
-    readings, phi = _readings(len(balances.wrenches.arms)), cart.inertia.phi
-    ahead, one = forward.products(readings), np.ones(len(readings))
-    log_evidence, log_gain = gain_evidence(ahead, forward.scatter()[0], -math.log(phi[0]) * one, MASS_SPREAD,
-                                           forward.scatter()[1])  # fmt: skip
-    others = ((sideways, 1.0, SAME_GAIN), (turning, phi[0] / phi[3], INERTIA_SPREAD))
-    for balance, ratio, spread in others:
-        if balance is not None:
-            rows, floor = balance.scatter()
-            products = balance.products(readings)
-            log_evidence = log_evidence + gain_evidence(products, rows, log_gain + math.log(ratio), spread, floor)[0]
-    posterior = probabilities(log_evidence, np.array([r.odds for r in readings]))
-    zz, zy, yy = ahead
+    readings = _readings(len(balances.wrenches.arms))
+    every = [_posterior(one, readings, cart) for one in (known, *_without_a_third(known))]
+    posterior = max(every, key=lambda one: float(one[0]))
+    zz, zy, yy = known[0].products(readings)
     masses = zz / np.where(np.abs(zy) > TRACE * np.sqrt(zz * yy), zy, np.inf)
     told = []
     for i, name in enumerate(balances.wrenches.arms):
@@ -137,6 +135,30 @@ def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], 
             factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
             told.append(Suspicion(kind, name, probability, factor, f"{printable(name)}: {words}"))
     return tuple(told), ""
+
+
+def _posterior(known: Known, readings: Sequence[Reading], cart: CartModel) -> Array:
+    """The probability (r,) of each reading."""
+    (forward, sideways, turning), phi = known, cart.inertia.phi
+    one = np.ones(len(readings))
+    rows, floor = forward.scatter()
+    usual = -math.log(phi[0]) * one
+    log_evidence, log_gain = gain_evidence(forward.products(readings), rows, usual, MASS_SPREAD, floor)
+    for balance, ratio, spread in ((sideways, 1.0, SAME_GAIN), (turning, phi[0] / phi[3], INERTIA_SPREAD)):
+        if balance is not None:
+            rows, floor = balance.scatter()
+            products = balance.products(readings)
+            log_evidence = log_evidence + gain_evidence(products, rows, log_gain + math.log(ratio), spread, floor)[0]
+    return probabilities(log_evidence, np.array([r.odds for r in readings]))
+
+
+def _without_a_third(known: Known) -> Iterator[Known]:
+    """The balances without each of some stretches in which a third of what the cart did lies. A sensor that is set up
+    wrongly is so in all of the log; what else acts for a while, such as somebody who pushes, is not."""
+    done = np.cumsum(known[0].motion ** 2)
+    for first in STRETCHES:
+        kept = (done < first * done[-1]) | (done > (first + STRETCH) * done[-1])
+        yield known[0].rows(kept), *(None if one is None else one.rows(kept) for one in known[1:])  # type: ignore[misc]
 
 
 def _told(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]]:
