@@ -27,6 +27,7 @@ from ..weak_form.motion import Motion, motion_of
 from .fixed_wheels import of_wheels
 from .heading import of_headings
 from .jumps import jumps
+from .lengths import of_lengths
 from .overview import Overview
 from .recorder import frozen, interpolated, quantised, repeated, slow, unread
 from .repeated_rows import without_repeats
@@ -37,6 +38,7 @@ from .wrenches import judged
 ANY = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
 """A cart that may go any way."""
 NO_CART = "no cart was given; say --cart cart.yaml"
+ODD_POSES = "mend the poses first"
 
 
 @dataclass(frozen=True, eq=False)
@@ -54,7 +56,16 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     clean, between = interpolated(fresh)
     right, of_speeds = of_velocities(clean)
     headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))
-    told = (*headed, *of_speeds, *repeated(log, fresh), *between, *quantised(log), *slow(log), *jumps(fresh))
+    told = (
+        *of_lengths(log),
+        *headed,
+        *of_speeds,
+        *repeated(log, fresh),
+        *between,
+        *quantised(log),
+        *slow(log),
+        *jumps(fresh),
+    )
     return Sensors(right, told)
 
 
@@ -81,8 +92,9 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
     parts = unbroken(without_glitches(log), LONGEST_HOLE)
     longest = max(parts, key=len)
     sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
-    if cart is None:
-        motion, unjudged = motion_of(sensors.log, ANY), NO_CART if log.arms else ""
+    is_odd = any(one.kind == "unit" and one.where == "pose" for one in sensors.suspicions)
+    if cart is None or is_odd:
+        motion, unjudged = motion_of(sensors.log, ANY), ODD_POSES if is_odd else NO_CART if log.arms else ""
     else:
         balances = Balances.of(sensors.log, cart)
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)

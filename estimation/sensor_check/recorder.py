@@ -38,9 +38,28 @@ SLOW = 0.2
 """s between rows: carts are started and stopped within half a second, which three samples at least show."""
 
 
+def blank_columns(log: RunLog) -> dict[str, list[str]]:
+    """Names of the columns without a value, by arm, of arms that have others: none of their rows is whole."""
+    found = {}
+    for arm in log.arms:
+        own = {
+            name: column for name, column in zip(log.columns, log.table.T, strict=True) if name.startswith(f"{arm}.")
+        }
+        blank = [name for name, column in own.items() if not np.isfinite(column).any()]
+        if 0 < len(blank) < len(own):
+            found[arm] = blank
+    return found
+
+
 def unread(log: RunLog) -> tuple[Suspicion, ...]:
-    """Columns in which numbers stand for no reading."""
+    """Columns without a value, and those in which numbers stand for no reading."""
     told = []
+    for arm, blank in blank_columns(log).items():
+        words = (
+            f"{printable(', '.join(blank))}: blank in every row, so nobody knows what {printable(arm)} gave, and no "
+            "row teaches anything: write 0 where that was not there, or leave the whole arm out if it held nothing"
+        )
+        told.append(Suspicion("holes", arm, 0.99, None, words))
     for name, column in zip(log.columns, log.table.T, strict=True):
         rows = np.flatnonzero(marked(column))
         if len(rows):

@@ -32,8 +32,12 @@ SLOW = 0.25
 def without_repeats(log: RunLog) -> RunLog:
     """The log, with poses, velocities and wrenches that are no measurements as missing samples."""
     velocity = None if log.velocity is None else _without(log.velocity, log.time)
-    arms = {name: without_clipped(without_frozen(arm)) for name, arm in log.arms.items()}
-    return replace(log, pose=_without(log.pose, log.time), velocity=velocity, arms=arms)
+    return replace(with_felt_wrenches(log), pose=_without(log.pose, log.time), velocity=velocity)
+
+
+def with_felt_wrenches(log: RunLog) -> RunLog:
+    """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples."""
+    return replace(log, arms={name: without_clipped(without_frozen(arm)) for name, arm in log.arms.items()})
 
 
 def repeats_fast(again: np.ndarray, change: Array) -> bool:

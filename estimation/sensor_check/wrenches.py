@@ -46,6 +46,7 @@ FARTHEST = 5.0
 """m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
 STRETCH, STRETCHES = 1 / 3, (0.0, 1 / 6, 1 / 3, 1 / 2, 2 / 3)
 """Share of what the cart did that lies in a stretch; where they begin."""
+UNKNOWN = "poses and the wrenches of all arms come together nowhere for long enough"
 KINDS = ("sign", "axes", "frame", "unit")
 
 
@@ -120,7 +121,8 @@ def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], 
     far = _far_contacts(balances)
     known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if far or known is None:
-        return far, "the cart moves too little, or for too short a time" if balances.wrenches.arms and not far else ""
+        why = "the cart moves too little, or for too short a time" if len(balances.used) else UNKNOWN
+        return far, why if balances.wrenches.arms and not far else ""
     readings = _readings(len(balances.wrenches.arms))
     every = [_posterior(one, readings, cart) for one in (known, *_without_a_third(known))]
     posterior = max(every, key=lambda one: float(one[0]))

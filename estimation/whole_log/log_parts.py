@@ -16,6 +16,7 @@ from ..impacts.impacts import impacts
 from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
 from ..sensor_check.jumps import jump_times
+from ..sensor_check.recorder import blank_columns
 from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps, check_sizes
 from ..weak_form.balances import Balances
@@ -60,9 +61,15 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
     found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
     if not found:
         raise NothingSaidError(
-            why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from"
+            why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from{_blank(log)}"
         )
     return found
+
+
+def _blank(log: RunLog) -> str:
+    """Which columns are to blame."""
+    names = [name for of_arm in blank_columns(log).values() for name in of_arm]
+    return f": {', '.join(names)} {'is' if len(names) == 1 else 'are'} blank in every row" if names else ""
 
 
 def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
