@@ -35,10 +35,13 @@ def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, car
 def against_identify(
     parameters: Mapping[str, ParameterEstimate], health: str, log: RunLog, cart: CartModel
 ) -> tuple[str, ...]:
-    """Where `identify` says something else of a log than an online filter did; of no log that is long."""
+    """Where `identify` says something else of a log than an online filter did, and what it has to say of the log; of no
+    log that is long."""
     if len(log) > MOST_ROWS:
         return ()
-    return disagreements(identify([log], cart).parameters, parameters, health)
+    found = identify([log], cart)
+    said = (words.removeprefix(f"{log.name}: ") for one in found.logs if one.band for words in one.words)
+    return *said, *disagreements(found.parameters, parameters, health)
 
 
 def disagreements(

@@ -34,6 +34,12 @@ from .coasting import as_given
 from .corrected_fit import corrected
 from .log_parts import LogPart, NothingSaidError, learnable_parts
 
+CLOCK_STD = 0.03
+"""Standard deviation (s) of how late wrenches may be, by filters, drivers and clocks that nobody told: what comes late
+looks like drag."""
+LATE, SURE = 0.01, 3.0
+"""s, and standard deviations, beyond both of which it is told that wrenches are late."""
+
 
 @dataclass(frozen=True)
 class LogFit:
@@ -154,7 +160,7 @@ def _late_again(found: Identification, cart: CartModel) -> Identification:
 def _fitted(
     logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, str]
 ) -> Identification:
-    model = _as_loud(Model.started([part.balances for part in parts], cart, prior))
+    model = _as_loud(Model.started([part.balances for part in parts], cart, prior, CLOCK_STD))
     found = corrected(replace(model, at_bound=None))
     fits = _log_fits(logs, found.model, parts, silent)
     why = refused(found.model, cart)
@@ -209,6 +215,7 @@ def _log_fits(
 ) -> tuple[LogFit, ...]:
     """The fit of each log; of a log that is cut, the longest part tells."""
     excess, delays = _excess(model), model.score.fit[-len(parts) :]
+    deviations = np.sqrt(np.diagonal(model.score.covariance)[-len(parts) :])
     found = []
     for i, log in enumerate(logs):
         own = [k for k, part in enumerate(parts) if part.log == i]
@@ -217,8 +224,20 @@ def _log_fits(
             continue
         k = max(own, key=lambda k: len(parts[k].balances.used))
         delay = -float(delays[k]) / parts[k].balances.sample_step
-        found.append(LogFit(log.name, delay, float(excess[k]), 0.5 / parts[k].balances.row_step))
+        words = _late(log, float(delays[k]), float(deviations[k]))
+        found.append(LogFit(log.name, delay, float(excess[k]), 0.5 / parts[k].balances.row_step, words))
     return tuple(found)
+
+
+def _late(log: RunLog, lag: float, std: float) -> tuple[str, ...]:
+    """What is said of wrenches that are late by a lag (s)."""
+    if abs(lag) < max(LATE, SURE * std):
+        return ()
+    words = (
+        f"{log.name}: its wrenches come {abs(lag):.3f} ± {std:.3f} s {'after' if lag > 0 else 'before'} the motion: "
+        "allowed for here, and by nothing online; mend the clocks, or give the cart file a time_delay"
+    )
+    return (words,)
 
 
 def _excess(model: Model) -> list[float]:

@@ -124,8 +124,9 @@ class RowNoise:
 class Model:
     """A cart fitted to logs, to be compared with others on rows that are whitened alike; `laws` are what the logs
     follow and no effect of the vocabulary makes; `candidates` may be missing, too;
-    `band_steps` (s) are those of the bands in which logs tell the mass. Where models are compared, rows are
-    told apart from what neighbours and balances share. To fit one they are not: that would weigh what changes fast,
+    `band_steps` (s) are those of the bands in which logs tell the mass; `clock_std` (s) is the standard deviation of
+    what else wrenches may be late by, which an effect tells where one is looked for. Where models are compared, rows
+    are told apart from what neighbours and balances share. To fit one they are not: that would weigh what changes fast,
     which models know least, and hand what is missing in one balance to another; the deviations of a fit allow for it
     (`certainty.py`)."""
 
@@ -141,6 +142,7 @@ class Model:
     candidates: tuple[Effect, ...] = ()
     compares: bool = False
     band_steps: tuple[float | None, ...] = ()
+    clock_std: float = 0.0
 
     @property
     def is_pushed(self) -> bool:
@@ -162,12 +164,14 @@ class Model:
         return {effect.name for effect in self.cart.effects}
 
     @classmethod
-    def started(cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None) -> Model:
+    def started(
+        cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None, clock_std: float = 0.0
+    ) -> Model:
         """The guess refitted, with a prior that is broad unless one is believed; the noise is what it leaves."""
         whole = np.ones(logs[0].n_balances(guess))
         noise = RowNoise(guess, 1.0, 0.0 * whole, 0.0 * whole, whole, 0.0 * whole)
         own = tuple(balances.beside(guess) for balances in logs)
-        return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed).settled()
+        return cls(guess, guess, own, noise, noise.whitenings(own), believed=believed, clock_std=clock_std).settled()
 
     def settled(self) -> Model:
         """The model fitted on rows whose noise is what this fit leaves."""
@@ -205,7 +209,7 @@ class Model:
             timing[..., i] = balances.timing(cart)
             found.append(np.concatenate([*parts, timing], axis=2))
         std = [np.ones(len(constraints)), *(law.std for law in self.laws), np.full(len(forces), FORM_LEVER)]
-        std.append(TIMING_STD * np.array([balances.sample_step for balances in self.logs]))
+        std.append(np.hypot(TIMING_STD * np.array([balances.sample_step for balances in self.logs]), self.clock_std))
         return Nuisance(tuple(found), np.concatenate(std))
 
     @cached_property
