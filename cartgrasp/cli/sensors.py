@@ -9,6 +9,7 @@ import numpy as np
 
 from estimation.sensor_check import KINDS, Look, Suspicion, check_sizes, look_at
 
+from ..effects.effect import SensorEffect
 from ..errors import DataError, UsageError, printable
 from ..logs import RunLog
 from ..logs.coasting import without_idle_arms
@@ -52,7 +53,18 @@ def first_looks(
             refuse(log, look.suspicions, accepted)
     for log, look in zip(logs, found, strict=True) if is_told else ():
         _tell(log, look)
+    if is_told:
+        _tell_strangers(logs, cart)
     return [look.as_dict() if isinstance(look, Look) else None for look in found]
+
+
+def _tell_strangers(logs: Sequence[RunLog], cart: CartModel) -> None:
+    """Sensors of the cart file whose arms are in no log, so that they say nothing of it."""
+    arms = {arm for log in logs for arm in log.arms}
+    for effect in cart.effects:
+        if isinstance(effect, SensorEffect) and effect.label and effect.label not in arms:
+            known = f"there are {', '.join(map(printable, sorted(arms)))}" if arms else "nobody pushes"
+            say(f"{cart.name}: {printable(effect.key)}: no log has that arm; {known}")
 
 
 def _look(log: RunLog, cart: CartModel) -> Look | DataError:

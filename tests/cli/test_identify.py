@@ -163,3 +163,15 @@ def test_the_real_axis():
     bias = found["force_bias.fx"]
     assert abs(bias["value"] - -3.16) < 3 * bias["std"]
     assert not found["com_x"]["identifiable"]
+
+
+@pytest.mark.parametrize("flags", [(), ("--json",)])
+def test_a_sensor_of_an_arm_that_no_log_has_is_named(capsys, tmp_path, weaving, flags):
+    (tmp_path / "run.csv").write_text(as_csv(weaving, HEADER))
+    strange = GUESS + "  force_bias: {gripper: {fx: 1.0}}\n  force_scale: {left: {gain: 1.0}}\n"
+    (tmp_path / "cart.yaml").write_text(strange, encoding="utf-8")
+    answer = run(capsys, "identify", tmp_path / "run.csv", "--cart", tmp_path / "cart.yaml", *flags)
+    assert answer.status == 0, answer.err
+    told = "a guess: force_bias.gripper: no log has that arm; there are left, right"
+    assert (told in answer.err) == (not flags)
+    assert "force_scale.left: no log" not in answer.err
