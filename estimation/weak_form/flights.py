@@ -46,7 +46,7 @@ def pieces(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) 
     ]
     if not parts:
         raise DataError(
-            f"{log.name}: it is hit, or its pose jumps, so often that no {SHORTEST:g} s of it are left; record it "
+            f"{log.name}: it is hit so often, or its pose jumps, that no {SHORTEST:g} s of it are left; record it "
             "between stops, with a tracker that keeps the cart"
         )
     return parts

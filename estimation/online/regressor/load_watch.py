@@ -28,7 +28,7 @@ FALSE_ALARM, FALSE_LOAD = 1e-3, 1e-2
 STARTS = 60
 """Rows over which a change is looked for."""
 SETTLING_ROWS = 20
-"""Rows by which it is known how loud the noise is. In fewer a load must be as much likelier than louder noise, and
+"""Rows by which it is known how loud the noise is. In fewer a load must be as much likelier than louder noise; else
 deviations are told as if noise were as loud as it seems."""
 SMOOTHING = 0.1
 LASTING, ODD_SHARE = 200, 0.15
@@ -67,18 +67,18 @@ class LoadWatch:
         self._seen += 1
         self._squares = (*self._squares, min(innovation.square, GATE * self._n))[-ROWS:]
         may = self._resets.are_allowed and self._fits
-        self._unsure = loudness.excess if self._seen < SETTLING_ROWS else 1.0
-        is_suspected = may and not self._rows_fit(root, loudness.gain)
+        is_suspected = may and not self._rows_fit(root, loudness)
         if is_suspected:
             self._begin_anew()
         return is_suspected
 
-    def _rows_fit(self, root: Array, louder: float) -> bool:
-        """Whether the last rows are as they should be; `louder` is how much likelier (a logarithm) louder noise makes
-        them."""
-        if self._seen < SETTLING_ROWS:
-            return bool(self._evidence(root) < louder - np.log(FALSE_LOAD))
-        return sum(self._squares) < self._limit and self._evidence(root) < -np.log(FALSE_LOAD)
+    def _rows_fit(self, root: Array, loudness: WrenchLoudness) -> bool:
+        """Whether the last rows are as they should be."""
+        by_load, is_settled = self._evidence(root) + np.log(FALSE_LOAD), self._seen >= SETTLING_ROWS
+        self._unsure = 1.0 if is_settled or by_load < 0.0 else loudness.excess
+        if is_settled:
+            return bool(sum(self._squares) < self._limit and by_load < 0.0)
+        return bool(by_load < loudness.gain)
 
     def hear_of_load(self, time: float) -> None:
         """Somebody else found another load."""
@@ -117,7 +117,7 @@ class LoadWatch:
     @property
     def excess(self) -> float:
         """How many times as large as told the variance of sums of innovations over seconds is, of which estimates are
-        made: at least, but for chance; while noise is not known, as much as it may be."""
+        made: at least, but for chance; while it may be a load or noise, as much as noise may be."""
         return max(self._white.level / (1.0 + self._white.chance), self._unsure)
 
     @property

@@ -38,7 +38,8 @@ def scores(found):
 @pytest.mark.parametrize("seeds", [5, pytest.param(20, marks=pytest.mark.prove)])
 @pytest.mark.parametrize("curved", [False, True])
 def test_intervals_hold_over_seeds(curved, seeds):
-    """Straight motion yaws by little beyond its noise: what that can't teach stays as it was believed."""
+    """Straight motion yaws by little beyond its noise, and says little of the inertia: 0.3 where curves say 0.1. It was
+    0.4 and more before wrenches might be late; of 60 seeds errors are 0.76 of what is told."""
     z, stds = [], []
     for seed in range(seeds):
         log = spoiled(simulate(TRUTH, seed, curved=curved, noise=(0.0004, 0.005, 1.0))[0], seed)[0]
@@ -51,4 +52,4 @@ def test_intervals_hold_over_seeds(curved, seeds):
     assert (np.abs(z) < 1.96).mean() >= 0.9
     mass, _, _, inertia = np.median(stds, axis=0)
     assert mass < 0.2
-    assert inertia < 0.1 if curved else inertia > 0.4
+    assert inertia < 0.1 if curved else inertia > 0.25
