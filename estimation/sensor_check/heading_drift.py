@@ -30,7 +30,7 @@ ROUNDS = 5
 
 
 class Drift(NamedTuple):
-    """How fast a heading leaves the true one, rad/s, its standard deviation, and for how long (s) it was seen to."""
+    """The rate (rad/s) at which a heading leaves the true one, its standard deviation, and for how long (s) it is seen."""
 
     rate: float
     std: float
@@ -67,7 +67,7 @@ def _drift(track: Track, windows: Windows) -> Drift | None:
     along = (sums.along(track.x, c) + sums.along(track.y, s))[kept]
     across = (sums.along(track.y, c) - sums.along(track.x, s))[kept]
     turned = sums.along(track.heading)[kept]
-    time = (sums.integral(track.time) / sums.integral(np.ones(len(track.time))))[kept]
+    time = sums.integral(track.time)[kept] / sums.integral(np.ones(len(track.time)))[kept]
     slips = along * turned
     columns = np.column_stack([along, turned, slips, np.abs(slips), (time - time.mean()) * along])
     fit = np.linalg.lstsq(columns, across)[0]
