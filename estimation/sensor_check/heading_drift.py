@@ -26,11 +26,11 @@ SURE, LEAST = 8.0, 0.01
 """Standard deviations of the drift, and rad of it over the log, beyond both of which it is one. Of 40 made logs, half
 of them with wheels that slip, are turned or drag on one side, none is beyond 0.7 deviations."""
 ROUNDS = 5
-"""Of a fit that is right for small angles."""
+"""Fits at most, each of which is right for small angles."""
 
 
 class Drift(NamedTuple):
-    """The rate (rad/s) at which a heading leaves the true one, its standard deviation, and for how long (s) it is seen."""
+    """A heading that leaves the true one: its rate and standard deviation, rad/s, and for how long (s) it was seen."""
 
     rate: float
     std: float
