@@ -3,7 +3,9 @@ as they are and with a fault put into each.
 
 A fault counts as told where a suspicion of its kind is. Any suspicion of a log as it is, or of another kind than the
 fault's, is an alarm. With `--mass` the whole workflow runs on logs whose velocities are late
-or too large, and the mass is held against the truth: the cases must be `nothing`, for no other has the one mass.
+or too large, and the mass is held against the truth: the cases must be `nothing`, for no other has the one mass. With
+`--sure` all that `identify` tells as taught is held against the truth, on such logs whose sensors break for a while,
+drift, or are late.
 """
 
 from __future__ import annotations
@@ -14,6 +16,7 @@ import time
 from collections.abc import Callable
 from dataclasses import dataclass, replace
 from pathlib import Path
+from typing import Any
 
 import numpy as np
 
@@ -23,6 +26,9 @@ from cartgrasp.logs import ArmLog, RunLog, read_log
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.sensor_check import Suspicion, check_sensors
+from estimation.whole_log.identification import identify
+
+from . import broken_sensors
 
 
 @dataclass(frozen=True)
@@ -105,24 +111,57 @@ OTHERS = {
     "velocities of {b}": Fault(in_the_carts_frame, frozenset({"frame"}), True),
     "poses held for 3 rows": Fault(held, frozenset({"repeated"})),
     "poses interpolated 5 times": Fault(between, frozenset({"repeated"})),
+    "wrenches frozen 3 times for 0.6 s": Fault(broken_sensors.frozen(0.6, 3), frozenset({"repeated"})),
+    "wrenches frozen for 6 s": Fault(broken_sensors.frozen(6.0, 1), frozenset({"repeated"})),
+    "fx clipped in a tenth of the rows": Fault(broken_sensors.clipped(0.1), frozenset({"scale"})),
+    "poses jump 4 times by 3 cm": Fault(broken_sensors.found_elsewhere(0.03, 4), frozenset({"jumps"})),
+    "theta drifts by 0.003 rad/s": Fault(broken_sensors.drifting(0.003), frozenset({"offset"})),
+    "x and y in mm": Fault(broken_sensors.in_millimetres, frozenset({"unit"})),
+    "somebody else gives 15 N for 2 s": Fault(broken_sensors.helped(15.0, 2.0), frozenset()),
+    "somebody else gives 60 N for 9 s": Fault(broken_sensors.helped(60.0, 9.0), frozenset()),
+    "stands in noise": Fault(broken_sensors.standing, frozenset()),
 }
+BROKEN = {
+    "as they are": late(0.0),
+    "frozen 3 times for 0.6 s": OTHERS["wrenches frozen 3 times for 0.6 s"],
+    "frozen for 6 s": OTHERS["wrenches frozen for 6 s"],
+    "clipped in a tenth of the rows": OTHERS["fx clipped in a tenth of the rows"],
+    "poses jump 4 times by 3 cm": OTHERS["poses jump 4 times by 3 cm"],
+    "theta drifts by 0.003 rad/s": OTHERS["theta drifts by 0.003 rad/s"],
+    "wrenches 50 ms late": Fault(broken_sensors.late(0.05), frozenset()),
+    "wrenches 50 ms early": Fault(broken_sensors.late(-0.05), frozenset()),
+    "wrenches through 25 ms": Fault(broken_sensors.smoothed(0.025), frozenset()),
+}
+FAR = 4.0
+"""Deviations."""
 
 
 @dataclass(frozen=True)
 class Sealed:
-    """A log with its cart; `mass` (kg) is the true one."""
+    """A log with its cart; true values by name."""
 
     log: RunLog
     cart: CartModel
-    mass: float
+    truth: dict[str, float]
+
+    @property
+    def mass(self) -> float:
+        """kg."""
+        return self.truth["mass"]
 
 
 def read(folder: Path) -> list[Sealed]:
     found = []
     for path in sorted(folder.glob("logs/*/run.csv")):
         truth = json.loads((folder / "truth" / f"{path.parent.name}.json").read_text(encoding="utf-8"))
-        found.append(Sealed(read_log(path), load_cart(path.parent / "cart.yaml"), truth["cart"]["mass"]))
+        found.append(Sealed(read_log(path), load_cart(path.parent / "cart.yaml"), _flat(truth["cart"])))
     return found
+
+
+def _flat(cart: dict[str, Any]) -> dict[str, float]:
+    """True values as `identify` names them."""
+    drags = {f"viscous_drag.{name}": value for name, value in cart["viscous_drag"].items()}
+    return {name: value for name, value in cart.items() if isinstance(value, float)} | drags
 
 
 def told(suspicions: tuple[Suspicion, ...]) -> set[str]:
@@ -164,13 +203,31 @@ def masses(logs: list[Sealed]) -> None:
         )
 
 
+def sureness(logs: list[Sealed]) -> None:
+    """How often what `identify` tells as taught is far from the truth, and by how much at most."""
+    print("| fault | told as taught | beyond 4 deviations | the worst | mass within, % |")
+    print("| --- " * 5 + "|")
+    for name, fault in BROKEN.items():
+        off, masses_off = list[tuple[float, str]](), []
+        for one in logs:
+            found = identify([fault.change(one.log)], one.cart).parameters
+            told = {key: each for key, each in found.items() if each.identifiable and key in one.truth}
+            off += [((each.value - one.truth[key]) / each.std, key) for key, each in told.items()]
+            masses_off.append(abs(found["mass"].value / one.mass - 1.0))
+        far = [each for each in off if abs(each[0]) > FAR]
+        worst, key = max(off, key=lambda each: abs(each[0]), default=(0.0, ""))
+        cells = name, len(off), len(far), f"{worst:+.1f}, {key}", f"{100.0 * max(masses_off):.1f}"
+        print(f"| {' | '.join(map(str, cells))} |", flush=True)
+
+
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.sensor_faults", description=__doc__)
     parser.add_argument("folder", type=Path, metavar="DIR")
     parser.add_argument("--mass", action="store_true", help="run the whole workflow on faults of velocities")
+    parser.add_argument("--sure", action="store_true", help="what identify is sure of, where sensors break")
     options = parser.parse_args()
     logs = read(options.folder)
-    (masses if options.mass else detection)(logs)
+    (masses if options.mass else sureness if options.sure else detection)(logs)
 
 
 if __name__ == "__main__":

@@ -37,7 +37,7 @@ def without_repeats(log: RunLog) -> RunLog:
 
 def with_felt_wrenches(log: RunLog) -> RunLog:
     """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples."""
-    return replace(log, arms={name: without_clipped(without_frozen(arm)) for name, arm in log.arms.items()})
+    return replace(log, arms={name: without_clipped(without_frozen(arm), log.time) for name, arm in log.arms.items()})
 
 
 def repeats_fast(again: np.ndarray, change: Array) -> bool:
