@@ -213,10 +213,10 @@ def sureness(logs: list[Sealed]) -> None:
             found = identify([fault.change(one.log)], one.cart).parameters
             told = {key: each for key, each in found.items() if each.identifiable and key in one.truth}
             off += [((each.value - one.truth[key]) / each.std, key) for key, each in told.items()]
-            masses_off.append(abs(found["mass"].value / one.mass - 1.0))
+            masses_off += [abs(found["mass"].value / one.mass - 1.0)] if "mass" in told else []
         far = [each for each in off if abs(each[0]) > FAR]
         worst, key = max(off, key=lambda each: abs(each[0]), default=(0.0, ""))
-        cells = name, len(off), len(far), f"{worst:+.1f}, {key}", f"{100.0 * max(masses_off):.1f}"
+        cells = name, len(off), len(far), f"{worst:+.1f}, {key}", f"{100.0 * max(masses_off, default=0.0):.1f}"
         print(f"| {' | '.join(map(str, cells))} |", flush=True)
 
 
