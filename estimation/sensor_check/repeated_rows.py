@@ -13,6 +13,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
+from ..log_noise.marks import without_marks
 from ..log_noise.resolution import TINY, USUAL
 from .clipped_wrenches import without_clipped
 from .frozen_wrenches import without_frozen
@@ -36,8 +37,12 @@ def without_repeats(log: RunLog) -> RunLog:
 
 
 def with_felt_wrenches(log: RunLog) -> RunLog:
-    """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples."""
-    return replace(log, arms={name: without_clipped(without_frozen(arm), log.time) for name, arm in log.arms.items()})
+    """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples; numbers that
+    stand for no reading are no such end."""
+    known = without_marks(log)
+    return replace(
+        known, arms={name: without_clipped(without_frozen(arm), log.time) for name, arm in known.arms.items()}
+    )
 
 
 def repeats_fast(again: np.ndarray, change: Array) -> bool:
