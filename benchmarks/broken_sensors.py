@@ -1,4 +1,4 @@
-"""What sensors do to a log that breaks for a while, or drifts: changes of a log, each drawn by a seed."""
+"""What sensors do to a log that breaks for a while, or drifts: the same to each log of so many rows."""
 
 from __future__ import annotations
 
@@ -13,7 +13,8 @@ from cartgrasp.logs import ArmLog, RunLog
 Change = Callable[[RunLog], RunLog]
 
 
-def _with_wrenches(log: RunLog, change: Callable[[Array], Array]) -> RunLog:
+def with_wrenches(log: RunLog, change: Callable[[Array], Array]) -> RunLog:
+    """The log with all arms' wrenches (n, 6) changed."""
     return replace(log, arms={name: ArmLog(arm.contact, change(arm.wrench)) for name, arm in log.arms.items()})
 
 
@@ -25,7 +26,7 @@ def frozen(seconds: float, times: int) -> Change:
         for begin in log.time[0] + log.duration * (np.arange(times) + 0.4) / times:
             first = int(np.searchsorted(log.time, begin))
             row[(log.time > begin) & (log.time < begin + seconds)] = first
-        return _with_wrenches(log, lambda wrench: wrench[row])
+        return with_wrenches(log, lambda wrench: wrench[row])
 
     return change
 
@@ -38,7 +39,7 @@ def clipped(share: float) -> Change:
             most = float(np.nanquantile(np.abs(wrench[:, 0]), 1.0 - share))
             return np.column_stack([np.clip(wrench[:, 0], -most, most), wrench[:, 1:]])
 
-        return _with_wrenches(log, clip)
+        return with_wrenches(log, clip)
 
     return change
 
@@ -73,7 +74,7 @@ def late(lag: float) -> Change:
         def moved(wrench: Array) -> Array:
             return np.column_stack([np.interp(log.time - lag, log.time, column) for column in wrench.T])
 
-        return _with_wrenches(log, moved)
+        return with_wrenches(log, moved)
 
     return change
 
@@ -88,7 +89,7 @@ def smoothed(seconds: float) -> Change:
                 found[k + 1] = found[k] + gain * (wrench[k + 1] - found[k])
             return found
 
-        return _with_wrenches(log, passed)
+        return with_wrenches(log, passed)
 
     return change
 

@@ -22,7 +22,7 @@ import numpy as np
 
 from cartgrasp.cart_file import load_cart
 from cartgrasp.frames import Array
-from cartgrasp.logs import ArmLog, RunLog, read_log
+from cartgrasp.logs import RunLog, read_log
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.sensor_check import Suspicion, check_sensors
@@ -56,8 +56,7 @@ def wrenches(*kinds: str, factors: tuple[float, ...] = (1.0,) * 6, order: tuple[
     """Wrenches of all arms in another order and times factors."""
 
     def change(log: RunLog) -> RunLog:
-        arms = {k: ArmLog(a.contact, a.wrench[:, list(order)] * np.array(factors)) for k, a in log.arms.items()}
-        return replace(log, arms=arms)
+        return broken_sensors.with_wrenches(log, lambda wrench: wrench[:, list(order)] * np.array(factors))
 
     return Fault(change, frozenset(kinds))
 

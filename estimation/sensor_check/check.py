@@ -26,7 +26,7 @@ from ..weak_form.flights import LONGEST_HOLE, unbroken
 from ..weak_form.motion import Motion, motion_of
 from .fixed_wheels import of_wheels
 from .heading import of_headings
-from .heading_drift import drifting, without_drift
+from .heading_drift import drifting, heading_drift, without_drift
 from .jumps import jumps
 from .lengths import of_lengths
 from .overview import Overview
@@ -55,14 +55,14 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
     (`of_wrenches`)."""
     fresh = without_repeats(log)
     clean, between = interpolated(fresh)
-    drifts = () if cart is None else drifting(clean, cart)
-    clean = without_drift(clean, cart) if cart is not None and drifts else clean
+    drift = None if cart is None else heading_drift(clean, cart)
+    clean = without_drift(clean, drift)
     right, of_speeds = of_velocities(clean)
     headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))
     told = (
         *of_lengths(log),
         *headed,
-        *drifts,
+        *drifting(drift),
         *of_speeds,
         *repeated(log, fresh),
         *between,

@@ -7,6 +7,7 @@ and a hand that holds nothing gives nothing.
 
 from __future__ import annotations
 
+from collections.abc import Iterator
 from typing import NamedTuple
 
 import numpy as np
@@ -59,18 +60,18 @@ def without_frozen(arm: ArmLog) -> ArmLog:
     return arm if found is None else ArmLog(arm.contact, np.where(found.rows[:, None], np.nan, arm.wrench))
 
 
-def frozen_arm(name: str, arm: ArmLog, time: Array) -> Suspicion | None:
+def frozen_arm(name: str, arm: ArmLog, time: Array) -> Iterator[Suspicion]:
     """`repeated` of an arm."""
     found = frozen_wrench(arm.wrench)
     if found is None:
-        return None
+        return
     count, k = int(found.rows.sum()), found.longest
     words = (
         f"{printable(name)}: {count} of {len(time)} rows repeat the wrench before to the last bit, {k} in a row from "
         f"t = {time[found.first]:g} s on, though its noise changes it at nearly every other: a sensor that froze; "
         "these rows are left out: leave such cells blank"
     )
-    return Suspicion("repeated", name, 0.99, len(time) / max(len(time) - count, 1), words, put_right=True)
+    yield Suspicion("repeated", name, 0.99, len(time) / max(len(time) - count, 1), words, put_right=True)
 
 
 def tells_noise(known: Array) -> bool:

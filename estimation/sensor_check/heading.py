@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import noise_floor
 from .evidence import evidence, independent_rows, probabilities
 from .suspicion import TOLD, Suspicion
-from .windows import FEWEST, Track, Windows
+from .windows import FEWEST, Sums, Track, Windows
 
 DEGREE, RIGHT = math.pi / 180, math.pi / 2
 READINGS: tuple[tuple[str, float, float | None, str], ...] = (
@@ -86,20 +86,27 @@ class Displacements(NamedTuple):
     axle_std: float
 
 
+def ways(track: Track, sums: Sums) -> tuple[Array, Array] | None:
+    """Displacements (k, 2) of the windows that samples cover, along and across the heading, and how far (k,) each
+    turned; None where too little is seen."""
+    c, s, kept = np.cos(track.heading), np.sin(track.heading), sums.covered
+    along = sums.along(track.x, c) + sums.along(track.y, s)
+    across = sums.along(track.y, c) - sums.along(track.x, s)
+    both = np.column_stack([along, across])[kept]
+    noise = sum(noise_floor(place) ** 2 for place in (track.x, track.y)) * sums.rate_noise(kept)
+    if kept.sum() < FEWEST or float((both**2).sum()) <= STILL * noise:
+        return None
+    return both, sums.along(track.heading)[kept]
+
+
 def displacements(track: Track) -> Displacements | None:
     """None where too little is seen. Where nothing turns, the point may be anywhere."""
     windows = Windows.over(track.time)
-    if windows is None:
+    seen = None if windows is None else ways(track, windows.on(track.time))
+    if seen is None:
         return None
-    sums, c, s = windows.on(track.time), np.cos(track.heading), np.sin(track.heading)
-    kept = sums.covered
-    along = sums.along(track.x, c) + sums.along(track.y, s)
-    across = sums.along(track.y, c) - sums.along(track.x, s)
-    both, turned = np.column_stack([along, across])[kept], sums.along(track.heading)[kept]
+    both, turned = seen
     size, turning = float((both**2).sum()), float(turned @ turned)
-    noise = sum(noise_floor(place) ** 2 for place in (track.x, track.y)) * sums.rate_noise(kept)
-    if kept.sum() < FEWEST or size <= STILL * noise:
-        return None
     if turning <= 0:
         return Displacements(both[:, 0], both[:, 1], size, 0.0, math.inf)
     beside = turned @ both / turning

@@ -18,9 +18,9 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from .evidence import independent_rows
-from .heading import displacements
+from .heading import ways
 from .suspicion import Suspicion
-from .windows import FEWEST, Track, Windows
+from .windows import Track, Windows
 
 SURE, LEAST = 8.0, 0.01
 """Standard deviations of the drift, and rad of it over the log, beyond both of which it is one. Of 40 made logs, half
@@ -60,13 +60,11 @@ def _is_sure(found: Drift) -> bool:
 
 def _drift(track: Track, windows: Windows) -> Drift | None:
     """What a small drift looks like."""
-    sums, c, s = windows.on(track.time), np.cos(track.heading), np.sin(track.heading)
-    kept = sums.covered
-    if kept.sum() < FEWEST or displacements(track) is None:
+    sums = windows.on(track.time)
+    seen, kept = ways(track, sums), sums.covered
+    if seen is None:
         return None
-    along = (sums.along(track.x, c) + sums.along(track.y, s))[kept]
-    across = (sums.along(track.y, c) - sums.along(track.x, s))[kept]
-    turned = sums.along(track.heading)[kept]
+    (along, across), turned = seen[0].T, seen[1]
     time = sums.integral(track.time)[kept] / sums.integral(np.ones(len(track.time)))[kept]
     slips = along * turned
     columns = np.column_stack([along, turned, slips, np.abs(slips), (time - time.mean()) * along])
@@ -77,18 +75,16 @@ def _drift(track: Track, windows: Windows) -> Drift | None:
     return Drift(-float(fit[-1]), math.sqrt(max(variance, 0.0)), float(time[-1] - time[0]))
 
 
-def without_drift(log: RunLog, cart: CartModel) -> RunLog:
-    """The log, with a heading that drifts put right."""
-    found = heading_drift(log, cart)
+def without_drift(log: RunLog, found: Drift | None) -> RunLog:
+    """The log, with a heading that drifts put back."""
     if found is None:
         return log
     heading = wrap_angle(log.pose[:, 2] - found.rate * (log.time - log.time[0]))
     return replace(log, pose=np.column_stack([log.pose[:, :2], heading]))
 
 
-def drifting(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+def drifting(found: Drift | None) -> tuple[Suspicion, ...]:
     """`offset` of a heading that drifts."""
-    found = heading_drift(log, cart)
     if found is None:
         return ()
     words = (

@@ -14,7 +14,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from .repeated_rows import without_repeats
+from .repeated_rows import without_again
 from .suspicion import Suspicion
 
 AROUND, FEWEST = 0.1, 4
@@ -52,9 +52,9 @@ def jump_times(log: RunLog) -> Array:
 
 def _found(log: RunLog) -> dict[str, tuple[Array, Array]]:
     """Times (s) of rows that jumped, and sizes."""
-    log = without_repeats(log)
-    there = np.isfinite(log.pose).all(axis=1)
-    time, pose = log.time[there], log.pose[there]
+    fresh = without_again(log.pose, log.time)
+    there = np.isfinite(fresh).all(axis=1)
+    time, pose = log.time[there], fresh[there]
     tracks = {"pose": pose[:, :2], "heading": np.unwrap(pose[:, 2])[:, None]}
     return {where: _jumped(time, track, HARDEST[where]) for where, track in tracks.items()}
 

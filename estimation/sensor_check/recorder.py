@@ -90,8 +90,7 @@ def repeated(log: RunLog, fresh: RunLog) -> tuple[Suspicion, ...]:
             factor = len(again) / max(len(again) - int(again.sum()), 1)
             told.append(Suspicion("repeated", where, 0.99, factor, words, put_right=True))
     for name, arm in log.arms.items():
-        frozen_one = frozen_arm(name, arm, log.time)
-        told += [] if frozen_one is None else [frozen_one]
+        told += frozen_arm(name, arm, log.time)
         told += clipped_arm(name, without_frozen(arm), log.time)
     return tuple(told)
 

@@ -32,8 +32,8 @@ SLOW = 0.25
 
 def without_repeats(log: RunLog) -> RunLog:
     """The log, with poses, velocities and wrenches that are no measurements as missing samples."""
-    velocity = None if log.velocity is None else _without(log.velocity, log.time)
-    return replace(with_felt_wrenches(log), pose=_without(log.pose, log.time), velocity=velocity)
+    velocity = None if log.velocity is None else without_again(log.velocity, log.time)
+    return replace(with_felt_wrenches(log), pose=without_again(log.pose, log.time), velocity=velocity)
 
 
 def with_felt_wrenches(log: RunLog) -> RunLog:
@@ -62,7 +62,7 @@ def local_change(rows: Array, time: Array) -> Array:
     return np.asarray(np.abs(rows[last] - rows[first]).sum(axis=1))
 
 
-def _without(rows: Array, time: Array) -> Array:
+def without_again(rows: Array, time: Array) -> Array:
     """Rows (n, k), NaN where they repeat the last one, and the next differs by more than the resolution and than the
     rows around: a cart that starts does not leap."""
     there = np.flatnonzero(np.isfinite(rows).all(axis=1))

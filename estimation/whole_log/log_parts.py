@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from ..impacts.impacts import impacts
 from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
-from ..sensor_check.heading_drift import without_drift
+from ..sensor_check.heading_drift import heading_drift, without_drift
 from ..sensor_check.jumps import jump_times
 from ..sensor_check.recorder import blank_columns
 from ..sensor_check.repeated_rows import without_repeats
@@ -52,7 +52,7 @@ class NothingSaidError(Exception):
 def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
     known = without_glitches(without_repeats(without_idle_arms(log)), OFF)
     check_sizes(known)
-    known = without_drift(known, cart)
+    known = without_drift(known, heading_drift(known, cart))
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
         for piece in unbroken(known, LONGEST_HOLE):

@@ -23,8 +23,7 @@ def driven(kind, at, mass, seed):
     """Times, health, and how many deviations the mass is off where it is told as identifiable (else 0)."""
     made = kind(cart(32.0), list(HOLDS), noise=FilterNoise(force=1.0, moment=0.05))
     sensors = Sensors(cart(BEFORE), SensorNoise(force=1.0, moment=0.05), seed)
-    plants, told = (ModelPlant(cart(BEFORE)), None), []
-    plant = plants[0]
+    plant, told = ModelPlant(cart(BEFORE)), []
     for k in range(1000):
         time = 0.01 * k
         if plant.cart.inertia.mass == BEFORE and time >= at:

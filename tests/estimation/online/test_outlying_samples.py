@@ -49,6 +49,7 @@ def test_intervals_hold_over_seeds(curved, seeds):
     z = np.array(z)
     assert np.abs(z).max() < 4.0
     assert np.sqrt((z**2).mean()) < 1.25
+    assert np.sqrt((z**2).mean(axis=0)).max() < 1.5
     assert (np.abs(z) < 1.96).mean() >= 0.9
     mass, _, _, inertia = np.median(stds, axis=0)
     assert mass < 0.2

@@ -35,7 +35,7 @@ def test_a_run_of_repeats_is_no_measurement(seed, first, count):
     )
     kept = without_frozen(ArmLog(np.zeros((ROWS, 3)), rows)).wrench
     np.testing.assert_array_equal(np.isnan(kept).all(axis=1), found.rows)
-    said = frozen_arm("left", ArmLog(np.zeros((ROWS, 3)), rows), TIME)
+    (said,) = frozen_arm("left", ArmLog(np.zeros((ROWS, 3)), rows), TIME)
     assert (said.kind, said.where, said.put_right) == ("repeated", "left", True)
     assert "a sensor that froze" in said.words
 
