@@ -44,8 +44,7 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
 
     @property
     def lateness(self) -> float:
-        """Lateness of the wrenches in sample periods, beyond being held from sample to sample; mere samples have
-        -0.5."""
+        """How late wrenches are (s), beyond a quarter of a sample: held ones are not, mere samples half of one."""
         return self._samples.state.lateness
 
     def _told(self) -> Estimate:

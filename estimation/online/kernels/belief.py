@@ -12,7 +12,8 @@ from cartgrasp.kernels.workspace import copy
 from .correction import factorise, put
 from .jit import Indices, row_compiled, row_entry
 from .matrices import congruence, inverse, product, solved, times, turned, without
-from .row_algebra import RATE, FilteredRow
+from .row_algebra import FilteredRow
+from .row_parts import RATE
 from .slope_noise import SlopeNoise, after_row, in_score, rid, told_by
 
 Belief = tuple[Array, Array]
@@ -32,9 +33,9 @@ LEAST_SHARE = 1e-9
 @row_entry
 def concluded(
     belief: Belief, noise: SlopeNoise, theta: Array, free: Indices
-) -> tuple[Belief, tuple[Array, Array, Array]]:
+) -> tuple[Belief, tuple[Array, Array, Array, float]]:
     """What rows tell, noise in their slopes taken off; and parameters (p,), of which those that are `free` are as
-    believed then, with their covariance (p, p), and a root of it (p, f)."""
+    believed then, with their covariance (p, p), a root of it (p, f), and the lateness."""
     told = told_by(belief, noise)
     f, p, covariance = len(free), len(theta), inverse(told[0])
     mean, factor = times(covariance, told[1]), covariance[:f, :f].copy()
@@ -46,7 +47,7 @@ def concluded(
             whole[free[a], free[b]] = covariance[a, b]
             if b <= a:
                 root[free[a], b] = factor[a, b]
-    return told, (found, whole, root)
+    return told, (found, whole, root, mean[f])
 
 
 @row_entry
@@ -102,8 +103,9 @@ def absorbed(
     weight = solved(scale * spread, np.eye(n))
     asked = product(turned(taught), weight)
     bias, by_noise = in_score(row, free, found, weight)
-    pulled = times(asked, innovation) + bias
-    said = square, pulled, product(asked, taught), by_noise, innovation, spread, spreads[0], in_own
+    pulled = times(asked, innovation) + bias[: k - 1]
+    of_change = pulled, product(asked, taught), by_noise[: k - 1, : k - 1].copy()
+    said = square, *of_change, innovation, spread, spreads[0], in_own
     whole, more = _linked((information, pull), linking)
     _forget(whole, more, slopes, scale * own, (mean, covariance), kept)
     wide = np.empty((n, k + 4 * n))
@@ -113,7 +115,7 @@ def absorbed(
     whole += product(weighed, wide)
     more += times(weighed, value)
     bias, by_noise = in_score(row, free, found, solved(scale * spreads[0], np.eye(n)))
-    for j in range(k - 1):
+    for j in range(k):
         more[j] += bias[j]
         for i in range(k - 1):
             more[j] -= by_noise[j, i] * at[free[i]]

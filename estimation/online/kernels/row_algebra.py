@@ -14,8 +14,10 @@ from cartgrasp.kernels.workspace import copy, unpack
 from .correction import put
 from .jit import Indices, compiled, row_compiled, row_entry
 from .row_parts import (
+    RATE,
     SPACING,
     STANDS_OUT,
+    add_lateness,
     add_measured,
     add_other_memory,
     add_stuck,
@@ -27,8 +29,6 @@ from .row_parts import (
     with_rise,
 )
 
-RATE = 2.0
-"""1/s, of the filter."""
 BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
 """s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
 smoothed."""
@@ -99,9 +99,9 @@ class LeftOut(NamedTuple):
     scaled: Indices
 
 
-Given = tuple[Array, Array, Array, Array]
-"""Wrenches as `felt_wrench.py` has them, (n - 1, width); parameters (p,), their covariance (p, p), and a root of it
-(p, q)."""
+Given = tuple[Array, float, Array, Array, Array]
+"""Wrenches as `felt_wrench.py` has them, (n - 1, width), and how long after their moments they were recorded (s);
+parameters (p,), their covariance (p, p), and a root of it (p, q)."""
 
 
 class FilteredRow(NamedTuple):
@@ -114,7 +114,9 @@ class FilteredRow(NamedTuple):
     times friction is not linear.
 
     `by_rise` (f, f, p) are the partials of the slopes by B[nu'], and `quieter` (f, f) is how much the noise is less as
-    a rule (`slope_noise.py`). `of_wrenches` (f, f) is what the noise of wrenches would be of white samples."""
+    a rule (`slope_noise.py`). `of_wrenches` (f, f) is what the noise of wrenches would be of white samples, and
+    `of_lateness` (2, f, f) the covariance of what it does to the slope by the lateness, with itself and with the
+    residual."""
 
     residual: Array
     slopes: Array
@@ -128,6 +130,7 @@ class FilteredRow(NamedTuple):
     by_rise: Array
     quieter: Array
     of_wrenches: Array
+    of_lateness: Array
 
 
 def over(rows: Array) -> tuple[int, int]:
@@ -236,20 +239,15 @@ def row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Gi
 def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
-    wrenches, theta, _, spread = given
+    wrenches, ahead, theta, _, spread = given
     mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
     residual, k, others = np.zeros(f), block.memory.shape[1], len(found.wrench) - 2 * n * block.memory.shape[1]
-    step = (block.time[n - 1] - block.time[0]) / (n - 1)
     for a in range(f):
         for b in range(f):
             for q in range(p):
                 by_acceleration[a, b, q] = by[still + 1 + b, a, q] - by[still, a, q]
         for i in range(n):
             residual[a] -= weighing.linear[i] * found.wrench[i, a]
-            change = found.wrench[i, a]
-            for b in range(f):
-                change += mass[a, b] * block.acceleration[i, b]
-            slopes[a, p] += step * RATE * weighing.of_motion[2, i] * change
         for b in range(f):
             residual[a] -= mass[a, b] * rise[b]
         for q in range(p):
@@ -267,10 +265,12 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
     )
     residual -= left_on_average
     slopes = with_rise(slopes, by_acceleration, rise)
+    weights = weighing.of_motion[2], weighing.held
+    of_lateness = add_lateness(weights, ahead, block.time, wrenches, (residual, slopes))
     quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     link = -RATE * mass, weighing.fade, noise, before, after, shared
-    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches)
+    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_lateness)
 
 
 @row_entry
@@ -280,7 +280,7 @@ def worked_out(
     """`begun` and `row` at once, of a cart whose effects all have kernels: its workspace, and how many wrenches Coulomb
     effects may give."""
     floats, ints, n_stuck = cart
-    _, theta, covariance, spread = given
+    _, _, theta, covariance, spread = given
     rise, asked = _begun(weighing, block, theta, spread)
     n, m, f, p = len(block.time), len(asked.time), asked.acceleration.shape[1], len(theta)
     wrench, by_acceleration, by_parameters = np.empty((m, f)), np.empty((m, f, f)), np.empty((m, f, p))

@@ -11,6 +11,10 @@ from cartgrasp.kernels.workspace import N_PHI
 
 from .jit import Indices, row_compiled, row_entry
 
+RATE = 2.0
+"""1/s, of the filter."""
+USUALLY_LATE = 0.25
+"""Of a wrench, in sample periods: one that is held to the next has 0, a mere sample 0.5."""
 SPACING = 0.1
 """s from row to row."""
 STILL = 3.0
@@ -83,6 +87,33 @@ def noise_of_wrenches(held: Array, wrenches: Array, f: int) -> Array:
                     total[a, b] += share**2 * wrenches[i, 1 + f + f * a + b]
             share = 0.0
     return total
+
+
+@row_compiled
+def add_lateness(
+    weights: tuple[Array, Array], ahead: float, time: Array, wrenches: Array, found: tuple[Array, Array]
+) -> Array:
+    """Adds to the last of the slopes (f, p + 1) what a second by which wrenches are late takes off B of them, which is
+    B of how fast they change; and to the residual (f,) that they were recorded `ahead` (s) of moments, and are
+    `USUALLY_LATE`. Returns the covariances (2, f, f) of what their noise does to that slope: of itself, and with what
+    it does to the residual."""
+    (of_motion, held), (residual, slopes), f = weights, found, len(found[0])
+    n, last, noise, own, of_residual = len(wrenches), slopes.shape[1] - 1, np.zeros((2, f, f)), 0.0, 0.0
+    known = ahead - USUALLY_LATE * (time[n] - time[0]) / n
+    for i in range(n):
+        own -= RATE * (of_motion[i] + (of_motion[n] if i + 1 == n else 0.0))
+        of_residual += held[i]
+        if i + 1 == n or wrenches[i + 1, 0] != wrenches[i, 0]:
+            for a in range(f):
+                slopes[a, last] += own * wrenches[i, 1 + a]
+                for b in range(f):
+                    of_sample = wrenches[i, 1 + f + f * a + b]
+                    noise[0, a, b] += own**2 * of_sample
+                    noise[1, a, b] += own * (of_residual + known * own) * of_sample
+            own = of_residual = 0.0
+    for a in range(f):
+        residual[a] += known * slopes[a, last]
+    return noise
 
 
 @row_compiled

@@ -25,8 +25,8 @@ from cartgrasp.frames import Array
 
 from .jit import Indices, row_compiled
 from .matrices import add_product, congruence, in_units, inner, product, solved, times, turned, without
-from .row_algebra import RATE, FilteredRow
-from .row_parts import STANDS_OUT
+from .row_algebra import FilteredRow
+from .row_parts import RATE, STANDS_OUT
 
 ASKED = 1e-3
 """Share of the first information below which a direction counts as not asked by rows."""
@@ -55,7 +55,7 @@ class Rid(NamedTuple):
 
 @row_compiled
 def after_row(noise: SlopeNoise, added: Array, kept: float) -> SlopeNoise:
-    """After a row which added to the information (k - 1, k - 1)."""
+    """After a row which added to the information (k, k)."""
     information, squares, size = kept * noise.information, kept**2 * noise.squares, 0.0
     for i in range(len(added)):
         for j in range(len(added)):
@@ -90,9 +90,9 @@ def rid(
 @row_compiled
 def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tuple[Array, Array]:
     """What noise that is left in slopes does to the score `s W r` of a weight (n, n): what is to be added to it
-    (k - 1,), and the information (k - 1, k - 1) that it makes."""
+    (k,), and the information (k, k) that it makes."""
     n, m = len(weight), len(free)
-    uneven, bias, information = product(weight, found.across), np.zeros(m), np.zeros((m, m))
+    uneven, bias, information = product(weight, found.across), np.zeros(m + 1), np.zeros((m + 1, m + 1))
     noisy, weighed = np.zeros((m, n, n)), np.zeros((m, n, n))
     for q in range(m):
         by = row.by_rise[:, :, free[q]].copy()
@@ -101,6 +101,8 @@ def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tupl
         bias[q] = inner(uneven, by)
         for i in range(q + 1):
             information[q, i] = information[i, q] = inner(noisy[i], weighed[q])
+    information[m, m] = inner(weight, row.of_lateness[0])
+    bias[m] = -inner(weight, row.of_lateness[1])
     return bias, information
 
 

@@ -35,11 +35,12 @@ from ..kernels.row_parts import STILL
 @dataclass(frozen=True)
 class Block:
     """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
-    `kernels/felt_wrench.py`."""
+    `kernels/felt_wrench.py`, which were recorded `ahead` (s) of their moments."""
 
     weights: Weights
     moved: Smoothed
     wrenches: Array
+    ahead: float = 0.0
 
 
 def stands_still(moved: Smoothed, cart: CartModel) -> bool:
@@ -63,7 +64,7 @@ def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, 
 
     Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
     believed, a swivel torque would be learned away while casters just trail."""
-    given = block.wrenches, known.mean, known.covariance, spread
+    given = block.wrenches, block.ahead, known.mean, known.covariance, spread
     if not cart.is_compiled:
         return _in_numpy(cart, block, given, left_out)
     dynamics = cart.dynamics
@@ -73,7 +74,7 @@ def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, 
 
 def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: LeftOut) -> FilteredRow:
     """Where some effect has no kernel."""
-    moved, (_, theta, covariance, spread) = block.moved, given
+    moved, (_, _, theta, covariance, spread) = block.moved, given
     rise, asked = kernels.begun(block.weights, moved, theta, spread)
     there = cart.inverse(asked.state, asked.acceleration, asked.parameters, asked.time)
     slow, most = asked.state[: len(moved.time)].copy(), row_parts.largest(theta, covariance)

@@ -26,11 +26,12 @@ MASS = 0
 
 
 class Told(NamedTuple):
-    """Parameters (p,), their covariance (p, p), and a root of it (p, f)."""
+    """Parameters (p,), their covariance (p, p), and a root of it (p, f); and how late wrenches are (s)."""
 
     theta: Array
     covariance: Array
     root: Array
+    lateness: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -98,7 +99,7 @@ class MassProducts:
             return believed
         theta = self.factors(believed.theta)
         by = self.jacobian(theta)
-        return Told(theta, by @ believed.covariance @ by.T, by @ believed.root)
+        return Told(theta, by @ believed.covariance @ by.T, by @ believed.root, believed.lateness)
 
     def belief(self, factors: Gaussian, free: Indices, theta: Array) -> Gaussian:
         """The belief of the free products (f,), from that of the free factors; the others are `theta` (p,)."""

@@ -22,7 +22,7 @@ from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
 from ..kernels.recorded_moment import LATER, record
-from ..kernels.row_algebra import Smoothed, over
+from ..kernels.row_algebra import LAG, Smoothed, over
 
 JERK = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
@@ -78,7 +78,7 @@ class MotionTracker:
         known.across_b[:] = cart.rolling.across_b
         known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
         self._rows = np.zeros((ROOM, 1 + self._wrench + kernels.row_size(self._d)))
-        self.last_time = -math.inf
+        self._past, self.last_time = np.zeros((0, 1 + self._wrench)), -math.inf
 
     @property
     def time(self) -> Array:
@@ -114,7 +114,7 @@ class MotionTracker:
         moment = kernels.moment(first, self._d)
         moment.mean[:3] = np.where(known, pose, 0.0)
         moment.covariance[:], moment.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
-        self._n, self.last_time = 1, time
+        self._n, self.last_time, self._past = 1, time, np.zeros((0, 1 + self._wrench))
 
     def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
         """A sample of the last moment, or of a later one: pose and velocity `seen` (6,), NaN where missing; the arms'
@@ -136,9 +136,15 @@ class MotionTracker:
         """The last moment's row, from the wrench on."""
         return self._rows[self._n - 1, 1:]
 
-    def wrenches(self, k: int) -> Array:
-        """The wrenches of the first k moments, (k, width), as in `felt_wrench.py`."""
-        return self._rows[:k, 1 : 1 + self._wrench].copy()
+    def wrenches(self, k: int, late: float) -> tuple[Array, float]:
+        """The wrenches of the first k moments, (k, width), as in `felt_wrench.py`, if they were recorded so late (s),
+        as far as there are any; and how much later their samples are in the mean than the ones of the moments."""
+        here = self._rows[: self._n, : 1 + self._wrench]
+        rows, time = np.concatenate([self._past, here]), here[:, 0]
+        late = min(max(late, rows[0, 0] - time[0]), time[-1] - time[k - 1])
+        halfway = (rows[:-1, 0] + rows[1:, 0]) / 2
+        found = rows[np.searchsorted(halfway, time[:k] + late), 1:]
+        return found, float(np.average(found[:, 0] - here[:k, 1], weights=np.diff(time[: k + 1])))
 
     def copy(self) -> Self:
         other = shallow_copy(self)
@@ -177,6 +183,8 @@ class MotionTracker:
         return float(self._rows[seen[-1], 0]) if len(seen) else -math.inf
 
     def drop(self, k: int) -> None:
-        """The first k moments."""
+        """The first k moments, of which wrenches are kept that may come early."""
+        past = np.concatenate([self._past, self._rows[:k, : 1 + self._wrench]])
+        self._past = past[past[:, 0] > self._rows[k, 0] - LAG]
         self._rows[: self._n - k] = self._rows[k : self._n]
         self._n -= k

@@ -173,12 +173,6 @@ class ParameterLearner:
         """Mean and covariance of the free parameters, physical or not."""
         return self._belief.parameters
 
-    @property
-    def lateness(self) -> float:
-        """Lateness of the wrenches in sample periods, beyond being held from sample to sample; mere samples have
-        -0.5."""
-        return self._belief.lateness
-
     # --- moments ---------------------------------------------------------------------------------------------
 
     def _start(self, time: float) -> None:
@@ -266,14 +260,15 @@ class ParameterLearner:
         """A block that teaches something; none where the cart stood still, or nobody knows how it moved."""
         k, end, weighing, smoothing = begun
         tracker = self.tracker
-        moved, wrenches = self._memory.along(smoothing.smoothed, self.theta), tracker.wrenches(end - 1)
+        moved = self._memory.along(smoothing.smoothed, self.theta)
+        wrenches, ahead = tracker.wrenches(end - 1, self.lateness)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
-        is_whole = np.isfinite(wrenches[:, 0]).all() and not tracker.is_torn(end - 1)
+        is_whole = math.isfinite(ahead) and not tracker.is_torn(end - 1)
         is_still = stands_still(moved, self.cart)
         self._memory = self._memory.after(moved, k)
         tracker.drop(k)
         if is_whole and not is_slow and not is_still:
-            return Block(weighing, moved, wrenches)
+            return Block(weighing, moved, wrenches, ahead)
         self._drop_link(is_still=bool(is_whole and is_still))
         return None
 
@@ -373,7 +368,7 @@ class ParameterLearner:
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
         taken, and the belief stays as it is."""
-        theta, self.covariance, self._spread = self._belief.concluded()
+        theta, self.covariance, self._spread, self.lateness = self._belief.concluded()
         if len(self._free) and not self._limits.holds(theta):
             with suppress(DataError):  # where what is believed is beyond numbers, what was stays
                 self.theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)

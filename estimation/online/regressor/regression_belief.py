@@ -1,6 +1,6 @@
 """What rows have taught so far: recursive least squares in information form, with a prior and forgetting.
 
-Unknown: the free parameters, the wrenches' lateness (a share of a sample), what is wrong with nu where the last block
+Unknown: the free parameters, the wrenches' lateness (s), what is wrong with nu where the last block
 ended, and the noise that it shares with the next one. These two, the link, are handed from row to row, so that
 neighbours' common noise is counted once. What rows add up to is told without what noise in their slopes does
 (`kernels/slope_noise.py`).
@@ -24,9 +24,8 @@ from ..kernels.row_algebra import FilteredRow
 from ..kernels.slope_noise import SlopeNoise
 from .mass_products import MassProducts, Told
 
-LATENESS, LATENESS_STD = -0.25, 0.3
-"""First mean and standard deviation of the lateness, in sample periods. A wrench that is held to the next has 0, a mere
-sample -0.5."""
+LATENESS_STD = 0.03
+"""s, of how late wrenches are, beyond `USUALLY_LATE`: clocks of sensors that no trigger shares are off by that much."""
 KEPT = 0.9992
 """Share that is kept of the information about what a row asks; with ten rows a second, 2 min are remembered."""
 GATE = 12.0
@@ -94,7 +93,7 @@ class RegressionBelief:
         except np.linalg.LinAlgError as error:
             why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
             raise UsageError(f"first guess: {why}") from error
-        self._known, self._noise = _given(information, np.append(first.mean, LATENESS), self._k)
+        self._known, self._noise = _given(information, np.append(first.mean, 0.0), self._k)
 
     def copy(self) -> Self:
         return shallow_copy(self)
@@ -110,12 +109,8 @@ class RegressionBelief:
         return self._products.told(Told(*self._concluded[1]))
 
     @property
-    def _concluded(self) -> tuple[kernels.Belief, tuple[Array, Array, Array]]:
+    def _concluded(self) -> tuple[kernels.Belief, tuple[Array, Array, Array, float]]:
         return kernels.concluded(self._known, self._noise, self._given, self._free)
-
-    @property
-    def lateness(self) -> float:
-        return float(self.solved.mean[self._k - 1])
 
     @property
     def solved(self) -> Gaussian:
@@ -144,11 +139,12 @@ class RegressionBelief:
             self._known = (left + left.T) / 2, pull[:k] - across.T @ gained[:, k]
 
     def open(self, added: Array) -> None:
-        """Adds to the covariance of the free products, (f, f)."""
+        """Adds to the covariance of the free products, (f, f); how late wrenches are was told with others, too."""
         now = self.solved
         m = self._k - 1
         covariance = now.covariance.copy()
         covariance[:m, :m] += added
+        covariance[m, m] += LATENESS_STD**2
         self.believe(now.mean, covariance)
 
     def believe(self, mean: Array, covariance: Array) -> None:

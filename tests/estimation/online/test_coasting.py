@@ -83,7 +83,7 @@ def test_where_a_force_is_given_it_does_not_hold_the_mass():
 def row(noise):
     zero, flat = np.zeros((2, 2)), np.zeros(2)
     link = zero, 0.8, noise, zero, zero, zero
-    return FilteredRow(flat, np.zeros((2, 5)), *link, zero, np.zeros((2, 2, 4)), zero, noise)
+    return FilteredRow(flat, np.zeros((2, 5)), *link, zero, np.zeros((2, 2, 4)), zero, noise, np.zeros((2, 2, 2)))
 
 
 def test_what_wrenches_tell_is_the_information_on_the_logarithm_of_a_scale():

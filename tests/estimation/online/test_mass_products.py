@@ -42,7 +42,7 @@ def test_there_and_back_with_slopes_by_differences():
     assert PRODUCTS.by_factors(theta) @ by == pytest.approx(np.eye(len(theta)), abs=1e-12)
     root = np.diag(np.arange(1.0, 1 + len(theta)))
     belief = PRODUCTS.belief(Gaussian(theta, root @ root), FREE, theta)
-    told = PRODUCTS.told(Told(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance)))
+    told = PRODUCTS.told(Told(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance), 0.0))
     assert told.theta == pytest.approx(theta)
     assert told.covariance == pytest.approx(root @ root)
     assert told.root @ told.root.T == pytest.approx(root @ root)

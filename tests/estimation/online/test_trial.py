@@ -56,6 +56,7 @@ def row(rise, force):
         by_rise=np.zeros((1, 1, 1)),
         quieter=np.zeros((1, 1)),
         of_wrenches=np.array([[NOISE]]),
+        of_lateness=np.zeros((2, 1, 1)),
     )
 
 
@@ -193,7 +194,7 @@ def test_a_push_teaches_no_mass(force, angle):
 
 @pytest.mark.long
 def test_a_load_does():
-    mass, health = mass_and_health(driven(load=8.0))
+    mass, health = mass_and_health(driven(load=8.0, duration=10.5))
     assert abs(mass.value - 32.0) < 3 * mass.std < 3.5
     assert "load_changed" in health
     assert health[-1] == "ok"

@@ -1,0 +1,99 @@
+"""Wrenches that come late, or early, by a time that nobody told: it is learned from them, and moves no parameter."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+
+from cartgrasp.effects import RollingResistance, ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
+from cartgrasp.model import CartModel
+from estimation import FilterNoise, RegressorEstimator
+from estimation.gaussian import Gaussian
+from estimation.log_noise.log_noise import noise_of_log
+from estimation.online.kernels.row_algebra import Smoothed, weights
+from estimation.online.kernels.row_parts import USUALLY_LATE
+from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.regressor.motion_tracker import MotionTracker
+from estimation.whole_log.replay import replay
+
+from ..runs import simulate, wrench_rows
+from .declared import left_out
+
+TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
+GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0), RollingResistance(0.015)))
+PLAIN = CartModel(Inertia(24.0, (0.28, 0.06), 2.2))
+TIME = 0.01 * np.arange(26)
+
+
+def row(wrenches, late=0.0, ahead=0.0):
+    """Of a cart at rest, whose wrenches (n, 2) were so late (s), with sensor noise of 1 N and 1 N·m."""
+    zero, exact = np.zeros((26, 3)), np.tile(1e-14 * np.eye(2), (26, 1, 1))
+    moved = Smoothed(TIME, zero, zero[:, :2], zero[:, :2], exact, exact[:3], zero[:, :0], zero[:, :0])
+    rows = wrench_rows(TIME[:-1], wrenches(TIME[:-1] - late), PLAIN.parameters)
+    known, block = Gaussian(PLAIN.parameters, np.zeros((4, 4))), Block(weights(TIME, 8), moved, rows, ahead)
+    return filtered_row(PLAIN, known, np.zeros((4, 0)), block, left_out(PLAIN, FilterNoise(), np.zeros(0, np.int64)))
+
+
+def swinging(time):
+    return np.column_stack([20.0 * np.sin(2.0 * time + 0.3), 3.0 * np.cos(1.5 * time)])
+
+
+def test_the_slope_by_the_lateness_is_what_a_lateness_does():
+    late, early = row(swinging, 0.01), row(swinging, -0.01)
+    slope = (late.residual - early.residual) / 0.02
+    assert row(swinging).slopes[:, -1] == pytest.approx(slope, rel=0.01)
+
+
+def test_a_row_knows_which_samples_it_was_given():
+    """Of wrenches that are not late, samples that were recorded later tell as much, but for what bends in between."""
+    later = row(swinging, -0.03, ahead=0.03)
+    assert later.residual == pytest.approx(row(swinging).residual, rel=5e-3)
+
+
+def test_noise_of_wrenches_is_in_the_slope_and_in_the_residual():
+    random = np.random.default_rng(0)
+    drawn = [row(lambda time: random.standard_normal((len(time), 2))) for _ in range(4000)]
+    slopes, residuals = np.array([(one.slopes[:, -1], one.residual) for one in drawn]).transpose(1, 0, 2)
+    own, with_residual = drawn[0].of_lateness
+    assert np.diagonal(own) == pytest.approx(np.var(slopes, axis=0), rel=0.1)
+    size = np.sqrt(own[0, 0] * np.var(residuals))
+    assert np.diagonal(with_residual) == pytest.approx(np.mean(slopes * residuals, axis=0), abs=0.05 * size)
+
+
+@pytest.mark.parametrize("late", [0.03, -0.03])
+def test_samples_that_stand_for_several_moments_are_moved_by_their_times(late):
+    """A wrench that says the time, recorded with every third moment, of moments that are 1, 2 and 7 ms apart."""
+    tracker, grip = MotionTracker(PLAIN, FilterNoise()), np.hstack([np.eye(2), np.eye(2)])
+    believed = np.concatenate([np.zeros(8), PLAIN.parameters, np.eye(2).ravel()])
+    tracker.start(0.0, np.zeros(3))
+    times = np.cumsum(np.tile([0.001, 0.002, 0.007], 60))
+    for i, time in enumerate(times.tolist()):
+        said = np.array([100.0 * time, 0.0]) if i % 3 == 0 else np.zeros(0)
+        tracker.record(time, np.zeros(6), said, grip, believed)
+    tracker.drop(45)
+    step = np.diff(tracker.time[:91])
+    usual, nothing = tracker.wrenches(90, 0.0)
+    found, ahead = tracker.wrenches(90, late)
+    assert nothing == 0.0
+    assert ahead == pytest.approx(late, abs=0.005)
+    assert np.average(found[:, 1] - usual[:, 1], weights=step) == pytest.approx(100.0 * ahead)
+
+
+@pytest.mark.some(2)
+@pytest.mark.parametrize("late", [0.05, 0.025, -0.03])
+@pytest.mark.parametrize("force", [0.3, 2.0])
+def test_lateness_is_learned_and_moves_nothing(late, force):
+    log = simulate(TRUTH, 6, 20.0, noise=(0.0003, 0.003, force))[0]
+    hand, time = log.arms["hand"], log.time
+    moved = np.column_stack([np.interp(time - late, time, one) for one in hand.wrench.T])
+    log = replace(log, arms={"hand": ArmLog(hand.contact, moved)})
+    estimator = RegressorEstimator(GUESS, ["hand"], noise=noise_of_log(log, GUESS))
+    last = replay(log, estimator).last
+    assert estimator.lateness == pytest.approx(late - USUALLY_LATE * 0.01, abs=0.004 if force < 1 else 0.015)
+    assert last.health == "ok"
+    for name, true in zip(("mass", "com_x", "com_y", "viscous_drag.linear"), (24.0, 0.28, 0.06, 3.0), strict=True):
+        told = last.parameters[name]
+        assert abs(told.value - true) < 3.0 * told.std
+    assert last.parameters["mass"].std < (0.2 if force < 1 else 0.6)
