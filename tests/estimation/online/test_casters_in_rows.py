@@ -14,8 +14,8 @@ from cartgrasp.studies.hardware import HAND, HEAVY, LEAST_SPEED, NOISE, PRIOR, T
 from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
-from estimation.online.kernels.row_algebra import RATE, Smoothed, weights
-from estimation.online.kernels.row_parts import PERSISTS
+from estimation.online.kernels.row_algebra import Smoothed, weights
+from estimation.online.kernels.row_parts import PERSISTS, RATE
 from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.followed_memory import MOST_SPREADS, FollowedMemory
 
