@@ -1,5 +1,5 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|demo|reversals]`: what the online
-filter says of sensors that are not as told, and whether its deviations hold.
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|late|demo|reversals]`: what the
+online filter says of sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
 a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
@@ -7,8 +7,9 @@ filter as it is and with a fault in it. A fault is told where health is not `ok`
 stands beside it; on a sound log any suspicion is an alarm.
 
 `noise`: velocities 0.3 to 3 times as noisy as declared. `memory`: noise of wrenches that is as large as declared from
-sample to sample, and remembers for up to 0.06 s. `demo`: errors of the demo's runs over their deviations.
-`reversals`: the demo's cart straight forth and back, which leaves casters poised.
+sample to sample, and remembers for up to 0.06 s. `late`: wrenches whose stamps are late, or early. `demo`: errors of
+the demo's runs over their deviations. `reversals`: the demo's cart straight forth and back, which leaves casters
+poised.
 """
 
 from __future__ import annotations
@@ -91,6 +92,10 @@ LEAST_NOISE, MOST_NOISE = 0.3, 3.0
 LONGEST_MEMORY, FORCE, MOMENT = 0.06, 3.0, 0.2
 """s; N and N·m of noise that remembers."""
 NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
+LATENESSES = (0.0, 0.01, 0.025, 0.05, -0.02)
+"""s."""
+FAR = 4.0
+"""Deviations."""
 SURE = 0.05
 """Standard deviation of a mass that is sure, as a share of it."""
 
@@ -264,6 +269,54 @@ def _consistent(
     return lines
 
 
+def late(seeds: Sequence[int]) -> list[str]:
+    """By sensors and by how late wrenches are: what is told after IN_TIME where it is sure."""
+    lines = [
+        "| sensors | wrenches late, ms | mass off, rms | worst rms of errors over deviations | "
+        "beyond 4 deviations where sure | not `ok` |",
+        "| --- " * 6 + "|",
+    ]
+    for sensors in (QUIET, "usual"):
+        driven = [drive_cart(drawn_cart(seed), Job(list(PATHS)[seed % len(PATHS)], sensors, seed)) for seed in seeds]
+        for by in LATENESSES:
+            found = [_late(drawn_cart(seed), one.log, by, sensors) for seed, one in zip(seeds, driven, strict=True)]
+            ends, off, ok = zip(*found, strict=True)
+            mass = np.sqrt(np.mean(np.square([end[0][0] for end in ends])))
+            rms = np.sqrt(np.nanmean(np.square([end[1] for end in ends]), axis=0))
+            beyond = np.concatenate(off) > FAR
+            cells = [sensors, f"{1000 * by:.0f}", f"{100 * mass:.1f} %", f"{rms.max():.1f}"]
+            cells += [f"{100 * beyond.mean():.1f} %", f"{100 * (1.0 - np.mean(ok)):.0f} %"]
+            lines.append(f"| {' | '.join(cells)} |")
+            print(lines[-1], flush=True)
+    return lines
+
+
+def _late(cart: CartModel, log: RunLog, by: float, sensors: str) -> tuple[Array, Array, float]:
+    """The last errors of parameters by their values and by their deviations (2, p); all such numbers, by deviations,
+    that are told as sure from IN_TIME on (n,); and the share of `ok`."""
+
+    def moved(arm: ArmLog) -> ArmLog:
+        wrench = [np.interp(log.time - by, log.time, one) for one in arm.wrench.T]
+        return ArmLog(arm.contact, np.column_stack(wrench))
+
+    noise = exact_noise(sensors)
+    filtered = CartFilter(guess(), list(HANDS), noise=noise, prior=PRIOR)
+    knows = CartFilter(cart, list(HANDS), noise=noise)
+    true = {name: told.value for name, told in knows.update(next(iter(log.measurements()))).parameters.items()}
+    sure, healths = [], []
+    for measurement in replace(log, arms={name: moved(arm) for name, arm in log.arms.items()}).measurements():
+        found = filtered.update(measurement)
+        if found.time < IN_TIME:
+            continue
+        healths.append(found.health == "ok")
+        if healths[-1]:
+            taught = {name: one for name, one in found.parameters.items() if one.identifiable}
+            sure += [abs(one.value - true[name]) / one.std for name, one in taught.items()]
+    errors = [(one.value - true[name], abs(true[name]), one.std) for name, one in found.parameters.items()]
+    off, size, std = np.array(errors).T
+    return np.array([off / size, off / std]), np.array(sure), float(np.mean(healths))
+
+
 def _louder(driven: Drive, factor: float, seed: int) -> tuple[RunLog, FilterNoise]:
     """Velocities are so many times as noisy as declared."""
     log = driven.log
@@ -359,6 +412,7 @@ PARTS = {
     "faults": (faults, 100),
     "noise": (noise, 100),
     "memory": (memory, 100),
+    "late": (late, 20),
     "demo": (demo, 30),
     "reversals": (reversals, 10),
 }
@@ -366,7 +420,7 @@ PARTS = {
 
 def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.filter_faults", description=__doc__)
-    parser.add_argument("--seeds", default=None, metavar="A:B", help="from 0 on: 100, 30 of the demo, 10 of reversals")
+    parser.add_argument("--seeds", default=None, metavar="A:B", help="from 0 on; without, as many as the part needs")
     parser.add_argument("--only", choices=PARTS, help="one part alone")
     options = parser.parse_args()
     for name, (part, usual) in PARTS.items():
