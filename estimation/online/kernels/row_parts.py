@@ -14,7 +14,7 @@ from .jit import Indices, row_compiled, row_entry
 RATE = 2.0
 """1/s, of the filter."""
 USUALLY_LATE = 0.25
-"""Of a wrench, in sample periods: one that is held to the next has 0, a mere sample 0.5."""
+"""How late a wrench is, in sample periods: one that is held to the next is not, a mere sample is half of one."""
 SPACING = 0.1
 """s from row to row."""
 STILL = 3.0
