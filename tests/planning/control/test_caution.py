@@ -138,11 +138,12 @@ def test_the_tracker_uses_a_cart_that_is_known(mass, health, deviation, is_used)
 @pytest.mark.long
 @pytest.mark.parametrize("factor", [-1.0, 1e-3], ids=["reversed", "kN"])
 def test_what_wrong_sensors_taught_is_not_acted_on(factor):
-    """Before, the cart ended 0.34 and 0.54 m off; as first believed it finds back to its path."""
+    """Masses are a tenth of what they are meanwhile. Before, the cart ended 0.34 and 0.54 m off; as first believed it
+    finds back to its path."""
     told = drive(controller(), PATH.duration, factor=factor)
     (last, motion), wrong = told[-1], [step for step, _ in told if any(s.is_refused for s in step.estimate.suspicions)]
     assert wrong[0].time < 4.0
-    assert last.estimate.model_parameters[0] < 0.5 * TRUTH.inertia.mass
+    assert min(step.estimate.model_parameters[0] for step, _ in told) < 0.5 * TRUTH.inertia.mass
     assert np.linalg.norm(motion.pose_sb[:2] - last.reference.pose_sb[:2]) < 0.02
 
 
