@@ -49,4 +49,4 @@ def _print_cost(full: RunFigures, poorer: RunFigures) -> None:
     rows.append(["largest tracking error (cm)", "", *(f"{100 * f.largest_error:.2f}" for f in (full, poorer))])
     title = "What it costs to leave casters and rolling resistance out of the model"
     print_table(title, ["± one standard deviation", "truth", "in the model", "left out"], rows)
-    print_health(poorer.health)
+    print_health(poorer.health, "the model without them")

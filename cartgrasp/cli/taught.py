@@ -10,9 +10,9 @@ def taught_word(is_identifiable: bool, health: str = Health.OK) -> str:
     return "yes" if is_identifiable and health == Health.OK else "no"
 
 
-def print_health(health: str) -> None:
-    """What follows of one that is not ok."""
+def print_health(health: str, model: str = "the model") -> None:
+    """What follows of one that is not ok, of the model that is so called."""
     if health == Health.INCONSISTENT:
-        print("- the model does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
+        print(f"- {model} does not fit this log, so it taught nothing: `cartgrasp discrepancy` tells what is missing")
     elif health != Health.OK:
         print(f"- health: {health}, so nothing counts as taught")

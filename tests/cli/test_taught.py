@@ -36,7 +36,7 @@ def test_the_demo_says_what_leaving_effects_out_does_to_the_estimate(capsys):
     shown = capsys.readouterr().out
     assert "health of the estimate" in shown
     assert "inconsistent" in shown
-    assert "does not fit this log, so it taught nothing" in shown
+    assert "the model without them does not fit this log, so it taught nothing" in shown
 
 
 def test_what_rounding_left_is_printed_as_nought(capsys):
