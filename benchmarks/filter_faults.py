@@ -38,8 +38,9 @@ from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
 from planning.references import chain, straight
 
+from . import broken_sensors
 from .sealed.sensors import noise as drawn_noise
-from .sensor_faults import Fault, poses, wrenches
+from .sensor_faults import FAR, Fault, poses, wrenches
 
 IN_TIME = 5.0
 """s of motion, in which a fault has to be told."""
@@ -94,8 +95,6 @@ LONGEST_MEMORY, FORCE, MOMENT = 0.06, 3.0, 0.2
 NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
 LATENESSES = (0.0, 0.01, 0.025, 0.05, -0.02)
 """s."""
-FAR = 4.0
-"""Deviations."""
 SURE = 0.05
 """Standard deviation of a mass that is sure, as a share of it."""
 
@@ -273,7 +272,7 @@ def late(seeds: Sequence[int]) -> list[str]:
     """By sensors and by how late wrenches are: what is told after IN_TIME where it is sure."""
     lines = [
         "| sensors | wrenches late, ms | mass off, rms | worst rms of errors over deviations | "
-        "beyond 4 deviations where sure | not `ok` |",
+        f"beyond {FAR:g} deviations where sure | not `ok` |",
         "| --- " * 6 + "|",
     ]
     for sensors in (QUIET, "usual"):
@@ -294,24 +293,19 @@ def late(seeds: Sequence[int]) -> list[str]:
 def _late(cart: CartModel, log: RunLog, by: float, sensors: str) -> tuple[Array, Array, float]:
     """The last errors of parameters by their values and by their deviations (2, p); all such numbers, by deviations,
     that are told as sure from IN_TIME on (n,); and the share of `ok`."""
-
-    def moved(arm: ArmLog) -> ArmLog:
-        wrench = [np.interp(log.time - by, log.time, one) for one in arm.wrench.T]
-        return ArmLog(arm.contact, np.column_stack(wrench))
-
     noise = exact_noise(sensors)
     filtered = CartFilter(guess(), list(HANDS), noise=noise, prior=PRIOR)
     knows = CartFilter(cart, list(HANDS), noise=noise)
     true = {name: told.value for name, told in knows.update(next(iter(log.measurements()))).parameters.items()}
     sure, healths = [], []
-    for measurement in replace(log, arms={name: moved(arm) for name, arm in log.arms.items()}).measurements():
+    for measurement in broken_sensors.late(by)(log).measurements():
         found = filtered.update(measurement)
         if found.time < IN_TIME:
             continue
         healths.append(found.health == "ok")
         if healths[-1]:
-            taught = {name: one for name, one in found.parameters.items() if one.identifiable}
-            sure += [abs(one.value - true[name]) / one.std for name, one in taught.items()]
+            told = found.parameters.items()
+            sure += [abs(one.value - true[name]) / one.std for name, one in told if one.identifiable]
     errors = [(one.value - true[name], abs(true[name]), one.std) for name, one in found.parameters.items()]
     off, size, std = np.array(errors).T
     return np.array([off / size, off / std]), np.array(sure), float(np.mean(healths))

@@ -204,7 +204,7 @@ def masses(logs: list[Sealed]) -> None:
 
 def sureness(logs: list[Sealed]) -> None:
     """How often what `identify` tells as taught is far from the truth, and by how much at most."""
-    print("| fault | told as taught | beyond 4 deviations | the worst | mass within, % |")
+    print(f"| fault | told as taught | beyond {FAR:g} deviations | the worst | mass within, % |")
     print("| --- " * 5 + "|")
     for name, fault in BROKEN.items():
         off, masses_off = list[tuple[float, str]](), []

@@ -1,13 +1,11 @@
 """Wrenches that come late, or early, by a time that nobody told: it is learned from them, and moves no parameter."""
 
-from dataclasses import replace
-
 import numpy as np
 import pytest
 
+from benchmarks import broken_sensors
 from cartgrasp.effects import RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
-from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation import FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
@@ -86,11 +84,9 @@ def test_samples_that_stand_for_several_moments_are_moved_by_their_times(late):
 @pytest.mark.parametrize("force", [0.3, 2.0])
 def test_lateness_is_learned_and_moves_nothing(late, force):
     log = simulate(TRUTH, 6, 20.0, noise=(0.0003, 0.003, force))[0]
-    hand, time = log.arms["hand"], log.time
-    moved = np.column_stack([np.interp(time - late, time, one) for one in hand.wrench.T])
-    log = replace(log, arms={"hand": ArmLog(hand.contact, moved)})
-    estimator = RegressorEstimator(GUESS, ["hand"], noise=noise_of_log(log, GUESS))
-    last = replay(log, estimator).last
+    moved = broken_sensors.late(late)(log)
+    estimator = RegressorEstimator(GUESS, ["hand"], noise=noise_of_log(moved, GUESS))
+    last = replay(moved, estimator).last
     assert estimator.lateness == pytest.approx(late - USUALLY_LATE * 0.01, abs=0.004 if force < 1 else 0.015)
     assert last.health == "ok"
     for name, true in zip(("mass", "com_x", "com_y", "viscous_drag.linear"), (24.0, 0.28, 0.06, 3.0), strict=True):
