@@ -17,6 +17,7 @@ from .row_parts import (
     RATE,
     SPACING,
     STANDS_OUT,
+    USUALLY_LATE,
     add_lateness,
     add_measured,
     add_other_memory,
@@ -253,7 +254,7 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
         for q in range(p):
             for i in range(n):
                 slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
-    of_wrenches = noise_of_wrenches(weighing.held, wrenches, f)
+    of_wrenches = noise_of_wrenches(weighing.held, weighing.held, wrenches, f)
     white = left_out.loudness * of_wrenches + weighing.of_white * left_out.disturbance
     noise = white.copy()
     add_stuck(weighing.linear, found.stuck, noise)
@@ -265,8 +266,8 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
     )
     residual -= left_on_average
     slopes = with_rise(slopes, by_acceleration, rise)
-    weights = weighing.of_motion[2], weighing.held
-    of_lateness = add_lateness(weights, ahead, block.time, wrenches, (residual, slopes))
+    known = ahead - USUALLY_LATE * (block.time[n - 1] - block.time[0]) / (n - 1)
+    of_lateness = add_lateness((weighing.of_motion[2], weighing.held), known, wrenches, (residual, slopes))
     quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     link = -RATE * mass, weighing.fade, noise, before, after, shared

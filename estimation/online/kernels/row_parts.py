@@ -9,6 +9,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import N_PHI
 
+from .correction import put
 from .jit import Indices, row_compiled, row_entry
 
 RATE = 2.0
@@ -76,43 +77,38 @@ def with_rise(slopes: Array, by_acceleration: Array, rise: Array) -> Array:
 
 
 @row_compiled
-def noise_of_wrenches(held: Array, wrenches: Array, f: int) -> Array:
-    """Noise of sensors, a sample that stands for several moments counted whole."""
-    n, total, share = len(wrenches), np.zeros((f, f)), 0.0
+def noise_of_wrenches(one: Array, other: Array, wrenches: Array, f: int) -> Array:
+    """The covariance (f, f) of what noise of sensors does to two sums by weights (n,), a sample that stands for several
+    moments counted whole."""
+    n, total, share, beside = len(wrenches), np.zeros((f, f)), 0.0, 0.0
     for i in range(n):
-        share += held[i]
+        share += one[i]
+        beside += other[i]
         if i + 1 == n or wrenches[i + 1, 0] != wrenches[i, 0]:
             for a in range(f):
                 for b in range(f):
-                    total[a, b] += share**2 * wrenches[i, 1 + f + f * a + b]
-            share = 0.0
+                    total[a, b] += share * beside * wrenches[i, 1 + f + f * a + b]
+            share = beside = 0.0
     return total
 
 
 @row_compiled
-def add_lateness(
-    weights: tuple[Array, Array], ahead: float, time: Array, wrenches: Array, found: tuple[Array, Array]
-) -> Array:
+def add_lateness(weights: tuple[Array, Array], known: float, wrenches: Array, found: tuple[Array, Array]) -> Array:
     """Adds to the last of the slopes (f, p + 1) what a second by which wrenches are late takes off B of them, which is
-    B of how fast they change; and to the residual (f,) that they were recorded `ahead` (s) of moments, and are
-    `USUALLY_LATE`. Returns the covariances (2, f, f) of what their noise does to that slope: of itself, and with what
-    it does to the residual."""
-    (of_motion, held), (residual, slopes), f = weights, found, len(found[0])
-    n, last, noise, own, of_residual = len(wrenches), slopes.shape[1] - 1, np.zeros((2, f, f)), 0.0, 0.0
-    known = ahead - USUALLY_LATE * (time[n] - time[0]) / n
+    B of how fast they change; and to the residual (f,) what it comes to over the time (s) by which they are `known` to
+    be early. Returns the covariances (2, f, f) of what their noise does to that slope: of itself, and with what it does
+    to the residual."""
+    (of_motion, held), (residual, slopes), n, f = weights, found, len(wrenches), len(found[0])
+    last, by, of_residual, noise = slopes.shape[1] - 1, np.empty(n), np.empty(n), np.empty((2, f, f))
     for i in range(n):
-        own -= RATE * (of_motion[i] + (of_motion[n] if i + 1 == n else 0.0))
-        of_residual += held[i]
-        if i + 1 == n or wrenches[i + 1, 0] != wrenches[i, 0]:
-            for a in range(f):
-                slopes[a, last] += own * wrenches[i, 1 + a]
-                for b in range(f):
-                    of_sample = wrenches[i, 1 + f + f * a + b]
-                    noise[0, a, b] += own**2 * of_sample
-                    noise[1, a, b] += own * (of_residual + known * own) * of_sample
-            own = of_residual = 0.0
+        by[i] = -RATE * (of_motion[i] + (of_motion[n] if i + 1 == n else 0.0))
+        of_residual[i] = held[i] + known * by[i]
+        for a in range(f):
+            slopes[a, last] += by[i] * wrenches[i, 1 + a]
     for a in range(f):
         residual[a] += known * slopes[a, last]
+    put(noise_of_wrenches(by, by, wrenches, f), noise[0])
+    put(noise_of_wrenches(by, of_residual, wrenches, f), noise[1])
     return noise
 
 
