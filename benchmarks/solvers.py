@@ -16,7 +16,7 @@ from cartgrasp.frames import Array
 from planning import WrenchPlanner, build_allocation
 from planning.quadratic_program import QuadraticProgram
 from planning.solvers.cvxpy_problem import takes_cones
-from planning.solvers.named_solver import FOREIGN, NamedSolver
+from planning.solvers.named_solver import SOLVER_ERRORS, NamedSolver
 
 from .measuring import Competitor, interleave
 from .peers import Blocks, most
@@ -84,7 +84,7 @@ def _finds(program: QuadraticProgram, name: str) -> bool:
         with warnings.catch_warnings():
             warnings.simplefilter("ignore")
             return bool(qpsolvers.solve_problem(problem, solver=name).found)
-    except FOREIGN:
+    except SOLVER_ERRORS:
         return False
 
 

@@ -24,7 +24,7 @@ if TYPE_CHECKING:
 RELAXED, INVALID_INPUT, STALE_ESTIMATE, TIMEOUT = "relaxed", "invalid_input", "stale_estimate", "timeout"
 USABLE = OPTIMAL, RELAXED
 """Statuses of a plan that gives what is asked, or what is nearest."""
-UNPLANNED = INFEASIBLE, NUMERICAL, TIMEOUT
+UNSOLVED = INFEASIBLE, NUMERICAL, TIMEOUT
 """Statuses where what was asked is understood, and no wrench was found."""
 
 

@@ -27,7 +27,7 @@ from .contacts.contact_regions import DISTANCE_TOLERANCE
 from .limits import CartLimit
 from .limits.robust import RobustLimits
 from .objectives import Objective
-from .plan import RELAXED, TIMEOUT, UNPLANNED, Plan
+from .plan import RELAXED, TIMEOUT, UNSOLVED, Plan
 from .quadratic_program import INFEASIBLE, NUMERICAL
 from .solvers import solve_with_clarabel
 from .tick.answers import Solved, proof_of
@@ -46,7 +46,8 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
-PERIOD, LONGEST_PERIOD, HOLD_TIME = 1e-3, 0.5, 0.1  # s: between calls of plan_or_hold; with which a held wrench decays
+DEFAULT_PERIOD, MAX_PERIOD = 1e-3, 0.5  # s, between calls of plan_or_hold
+HOLD_TIME = 0.1  # s: time constant with which a held wrench decays
 DEFAULT_SEARCH = SearchLimit()
 NOWHERE: Mapping[str, ArrayLike] = {}
 
@@ -102,10 +103,10 @@ class WrenchPlanner:
         switching_cost: float | Mapping[str, float] = 0.0,
         search_limit: SearchLimit = DEFAULT_SEARCH,
         solver: str | None = None,
-        period: float = PERIOD,
+        period: float = DEFAULT_PERIOD,
     ) -> None:
         number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
-        positive("period", period, LONGEST_PERIOD, "give s")
+        positive("period", period, MAX_PERIOD, "give s")
         number("relax", relax, 0.0, math.inf, "give N and N·m")
         check_kind("search_limit", search_limit, SearchLimit, "write SearchLimit(solves=5000)")
         limits = listed("cart_limits", cart_limits, CartLimit, "write cart_limits=[Skid(0.5)]")
@@ -218,7 +219,7 @@ class WrenchPlanner:
                 the cart on the floor hold for."""
         plan = self._plan(wrench, contacts, estimate, arms, beside, at_once=True)
         now, terms = self._now, self._now.terms
-        if stop is not None and terms.limits_floor and plan.status in (RELAXED, *UNPLANNED):
+        if stop is not None and terms.limits_floor and plan.status in (RELAXED, *UNSOLVED):
 
             def planned(wanted: ArrayLike, exact: bool) -> Plan:
                 return self._plan(wanted, contacts, None, None, beside, at_once=True, exact=exact)

@@ -201,7 +201,7 @@ class Residuals(NamedTuple):
         return {name: getattr(self, name) for name in ("equality", "limits", "stationarity", "gap")}
 
 
-NOTHING = Residuals(np.inf, np.inf, np.inf, np.inf)
+NO_RESIDUALS = Residuals(np.inf, np.inf, np.inf, np.inf)
 """Residuals where there is no answer."""
 
 
@@ -223,7 +223,7 @@ class QPSolution:
     def failed(cls, program: QuadraticProgram, status: str, solver: str, message: str) -> Self:
         x, y = np.zeros(program.n), np.zeros(len(program.upper))
         z = tuple(np.zeros(len(cone.offset)) for cone in program.cones)
-        return cls(status, x, y, z, NOTHING, np.inf, solver, message)
+        return cls(status, x, y, z, NO_RESIDUALS, np.inf, solver, message)
 
     @classmethod
     def checked(
@@ -255,7 +255,7 @@ def verify(program: QuadraticProgram, x: Array, y: Array, z: Sequence[Array] = (
         else:
             gap += abs(dual * slack)
     if not math.isfinite(gap):  # a solver's multipliers may not be
-        return NOTHING
+        return NO_RESIDUALS
     gradient += y.dot(program.stacked[n:])
     for cone, multiplier in zip(program.cones, z, strict=True):
         s, inside = cone.offset + cone.rows @ x, into_cone(multiplier)

@@ -6,7 +6,7 @@ import math
 
 from cartgrasp.frames import Array
 
-STILL = 1e-3
+MIN_REFERENCE_SPEED = 1e-3
 """Magnitude of a component of nu (m/s, rad/s) below which a reference counts as at rest."""
 
 Pair = tuple[float, float]

@@ -24,7 +24,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion, Reference
 
-from .steering import STILL, error_b, steered
+from .steering import MIN_REFERENCE_SPEED, error_b, steered
 
 
 @dataclass(frozen=True)
@@ -102,7 +102,7 @@ def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration
     memories are those of the motion, which is where a disturbance beside them was observed."""
     if as_it_is:
         return wrench_as_it_moves(model, motion, acceleration, reference.time)
-    wanted = np.where(np.abs(reference.velocity) > STILL, reference.velocity, motion.velocity)
+    wanted = np.where(np.abs(reference.velocity) > MIN_REFERENCE_SPEED, reference.velocity, motion.velocity)
     state, feedforward = (model.state(motion.pose_sb, velocity) for velocity in (motion.velocity, wanted))
     if motion.memory is not None and len(motion.memory):
         for each in (state, feedforward):

@@ -11,7 +11,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
-from planning.contact_sources.ways import Way
+from planning.contact_sources.strategies import Strategy
 
 from ..compile_notice import telling
 from ..errors import CartgraspError, DataError, PlantError, printable
@@ -56,7 +56,7 @@ def simulate(
     force_noise: Annotated[float, typer.Option("--force-noise", help="Of the force sensors, N.")] = 3.0,
     learn: Annotated[bool, typer.Option(metavar="", help="Whether to estimate the parameters.")] = True,
     contacts: Annotated[
-        Way,
+        Strategy,
         typer.Option(
             "--contacts",
             metavar="<name>",

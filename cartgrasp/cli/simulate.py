@@ -11,7 +11,7 @@ import numpy as np
 
 from estimation import FilterNoise
 from planning import CartLimit, Caution, Choosing, RegraspTimes, Skid, TipOver
-from planning.contact_sources.ways import FIXED
+from planning.contact_sources.strategies import FIXED
 from planning.limits.robust import RobustLimits
 from planning.problem.problem_limits import limits_for
 

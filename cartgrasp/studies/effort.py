@@ -18,9 +18,9 @@ import numpy as np
 
 from estimation import FilterNoise
 from planning import Choosing, RegraspTimes
-from planning.contact_sources.outlook import ContactFamily
-from planning.contact_sources.ways import FIXED as STAY
-from planning.contact_sources.ways import TEACH
+from planning.contact_sources.lookahead import ContactFamily
+from planning.contact_sources.strategies import FIXED as STAY
+from planning.contact_sources.strategies import TEACH
 from planning.excitation.excitation_family import motions
 from planning.references import PathReference, chain, pause, speed_change, turn
 from planning.tracking import Gains

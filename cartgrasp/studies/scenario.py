@@ -10,7 +10,7 @@ import numpy as np
 
 from estimation import CartFilter, DisturbedFilter, FilterNoise, PaperFilter, Prior
 from planning import CartLimit, Caution, Choosing, Controller, RegraspTimes
-from planning.contact_sources.ways import FIXED
+from planning.contact_sources.strategies import FIXED
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 

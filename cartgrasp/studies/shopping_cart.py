@@ -6,7 +6,7 @@ import numpy as np
 
 from estimation import FilterNoise
 from planning import Choosing
-from planning.contact_sources.ways import LEAST_EFFORT
+from planning.contact_sources.strategies import LEAST_EFFORT
 from planning.references import Stretch, chain, pause, straight, turn
 from planning.tracking import Gains
 

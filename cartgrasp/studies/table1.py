@@ -14,7 +14,7 @@ import numpy as np
 
 from estimation import FilterNoise
 from planning import Choosing
-from planning.contact_sources.ways import FIXED, PERIODIC
+from planning.contact_sources.strategies import FIXED, PERIODIC
 from planning.references import Stretch, chain, pause, speed_change, straight, turn
 
 from ..arms import Arm

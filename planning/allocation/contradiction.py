@@ -19,7 +19,7 @@ from .duality import infeasible_by
 from .infeasibility import Certificate
 from .projection import moved, project, projection_program
 
-ROUNDING = 1e-12  # of the largest limit
+ROW_TOLERANCE = 1e-12  # of the largest limit
 
 
 def contradiction(
@@ -42,7 +42,7 @@ def contradiction(
         return None
     least = infeasible_by(free, projection.normal_solution, projection.normal)
     limits = np.abs([template.cart_rows.low, template.cart_rows.high])
-    if least <= ROUNDING * max(1.0, float(limits[np.isfinite(limits)].max(initial=0.0))):
+    if least <= ROW_TOLERANCE * max(1.0, float(limits[np.isfinite(limits)].max(initial=0.0))):
         return None
     missed = _missed(template, projection.slack[:c])
     parts = "; ".join(f"{name} by {value:.6g} N" for name, value in missed.items())

@@ -10,7 +10,7 @@ left falls apart into scalars, and each into arms:
 r is affine in p, so phi_i is concave: over a segment its least value is at an end. With w = 0 and linear = l
 it is a Farkas ray: where its bound is above zero, no wrench within limits gives what is asked. Any
 multipliers of the right sign give a valid bound, however inexact the solver; axes without a limit count as
-limited to `UNLIMITED`.
+limited to `UNLIMITED_FORCE`.
 """
 
 from __future__ import annotations
@@ -25,8 +25,8 @@ from ..objectives import Cost
 from ..quadratic_program import QPSolution, QuadraticProgram, into_cone
 from .allocation_template import AllocationTemplate
 
-UNLIMITED = 1e6
-FLAT = 1e-100  # a weight below is none: over UNLIMITED it is worth nothing, and dividing by it overflows
+UNLIMITED_FORCE = 1e6
+MIN_WEIGHT = 1e-100  # a weight below is none: over UNLIMITED_FORCE it is worth nothing, and dividing by it overflows
 
 
 @dataclass(frozen=True, eq=False)
@@ -74,7 +74,7 @@ def least_cost(template: AllocationTemplate, cost: Cost) -> float:
     curved = np.diag(cost.weights) if cost.coupling is None else np.diag(cost.weights) + cost.coupling
     least = -0.5 * np.asarray(np.linalg.lstsq(curved, cost.gradient)[0], dtype=float)
     linear, constant = _by_tangent(cost, least)
-    lower, upper = np.maximum(template.fixed.lower, -UNLIMITED), np.minimum(template.fixed.upper, UNLIMITED)
+    lower, upper = np.maximum(template.fixed.lower, -UNLIMITED_FORCE), np.minimum(template.fixed.upper, UNLIMITED_FORCE)
     return constant + float(_least(cost.weights, linear, lower, upper))
 
 
@@ -108,7 +108,7 @@ def infeasible_by(program: QuadraticProgram, solution: QPSolution, slack: Array)
     for cone, z in zip(program.cones, solution.cone_multipliers, strict=True):
         inside = into_cone(z)
         linear, constant = linear - inside @ cone.rows, constant - float(inside @ cone.offset)
-    box = (np.maximum(program.lower[:n], -UNLIMITED), np.minimum(program.upper[:n], UNLIMITED))
+    box = (np.maximum(program.lower[:n], -UNLIMITED_FORCE), np.minimum(program.upper[:n], UNLIMITED_FORCE))
     return (constant + float(_least(np.zeros(n), linear, *box))) / float(np.linalg.norm(slack))
 
 
@@ -118,7 +118,7 @@ def _cut(
     """Relaxes the contact rows as well; unknowns beside the wrenches are minimised over here and now."""
     multipliers, limit = _priced(multipliers, *_contact_limits(template, target))
     n, (weights, linear), fixed = template.n, scalars, template.fixed
-    lower, upper = np.maximum(fixed.lower, -UNLIMITED), np.minimum(fixed.upper, UNLIMITED)
+    lower, upper = np.maximum(fixed.lower, -UNLIMITED_FORCE), np.minimum(fixed.upper, UNLIMITED_FORCE)
     own = float(_least(weights[n:], linear[n:], lower[n:], upper[n:]))
     weights, linear, lower, upper = (part[:n].reshape(-1, 6) for part in (weights, linear, lower, upper))
     return Cut(weights, linear, lower, upper, multipliers, constant - limit + own)
@@ -171,7 +171,7 @@ def _priced(multipliers: Array, low: Array, high: Array) -> tuple[Array, float]:
 
 def _least(weights: Array, slope: Array, lower: Array, upper: Array) -> Array:
     """Sum over the last axis of the least `w F² + r F` over a box."""
-    curved = weights > FLAT
+    curved = weights > MIN_WEIGHT
     free = -0.5 * slope / np.where(curved, weights, 1.0)
     at = np.where(curved, np.clip(free, lower, upper), np.where(slope > 0, lower, upper))
     return np.asarray(((weights * at + slope) * at).sum(axis=-1))

@@ -14,9 +14,9 @@ from cartgrasp.frames import Array
 from ..quadratic_program import EQUALITY_TOLERANCE, OPTIMAL, QPSolution, QuadraticProgram
 from ..solvers import QuadraticSolver
 
-FAR = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
+SHORT_SLACK_RATIO = 0.1  # of the wrench asked for: a slack shorter than this is seen from farther away
 
-STEEP = 1e6
+STEEP_COST_FACTOR = 1e6
 
 
 @dataclass(frozen=True, eq=False)
@@ -78,7 +78,7 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
     projection = Projection(slack, solution.x[: program.n], solution, slack, solution)
     values = program.upper[-len(slack_map) :][slack_map.any(axis=1)]
     scale = max(1.0, float(np.abs(values[np.isfinite(values)]).max(initial=0.0)))
-    if not EQUALITY_TOLERANCE * scale < projection.distance < FAR * scale:
+    if not EQUALITY_TOLERANCE * scale < projection.distance < SHORT_SLACK_RATIO * scale:
         return projection
     outward = scale / projection.distance * slack
     far = solver.solve(moved(near, slack_map, outward))
@@ -92,15 +92,15 @@ def project(solver: QuadraticSolver, program: QuadraticProgram, slack_map: Array
 
 
 def _solved(solver: QuadraticSolver, near: QuadraticProgram) -> QPSolution:
-    """A short slack costs less than a solver's tolerance: where that fails, its cost is taken `STEEP` times."""
+    """A short slack costs less than a solver's tolerance: where that fails, it costs `STEEP_COST_FACTOR` times more."""
     solution = solver.solve(near)
     if solution.status == OPTIMAL:
         return solution
-    steep = solver.solve(replace(near, hessian=STEEP * near.hessian))
+    steep = solver.solve(replace(near, hessian=STEEP_COST_FACTOR * near.hessian))
     if steep.status != OPTIMAL:
         return solution
-    z = tuple(multiplier / STEEP for multiplier in steep.cone_multipliers)
-    return QPSolution.checked(near, steep.x, steep.multipliers / STEEP, z, steep.solver, steep.message)
+    z = tuple(multiplier / STEEP_COST_FACTOR for multiplier in steep.cone_multipliers)
+    return QPSolution.checked(near, steep.x, steep.multipliers / STEEP_COST_FACTOR, z, steep.solver, steep.message)
 
 
 def _slack(solution: QPSolution, n: int) -> Array:

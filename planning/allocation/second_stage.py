@@ -20,8 +20,8 @@ from ..objectives import Cost
 from ..quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from ..solvers import QuadraticSolver, solve_with_clarabel
 
-HELD = 1e-9  # how near to the first's solution its rows are held, of their largest
-RANK = 1e-9  # of the largest eigenvalue: what counts as curved
+FIRST_STAGE_TOLERANCE = 1e-9  # how near to the first's solution its rows are held, of their largest
+CURVATURE_RANK_TOLERANCE = 1e-9  # of the largest eigenvalue: what counts as curved
 
 
 def second_stage(
@@ -34,7 +34,7 @@ def second_stage(
     size = solution.residuals.wrench_scale
     rows = size * _best_by(program)
     values = rows @ solution.x
-    room = HELD * np.maximum(size, np.abs(values))
+    room = FIRST_STAGE_TOLERANCE * np.maximum(size, np.abs(values))
     n, k, larger = program.n, len(program.rows) - program.n_equalities, _with_larger_shares(program, size)
     hessian = np.diag(2.0 * cost.weights)
     hessian = hessian if cost.coupling is None else hessian + 2.0 * cost.coupling
@@ -60,10 +60,14 @@ def second_stage(
 def _best_by(program: QuadraticProgram) -> Array:
     """Rows that span H and f."""
     values, vectors = np.linalg.eigh(program.hessian)
-    rows = vectors.T[values > RANK * max(float(values.max()), 1e-12)]
+    rows = vectors.T[values > CURVATURE_RANK_TOLERANCE * max(float(values.max()), 1e-12)]
     along = program.gradient - rows.T @ (rows @ program.gradient)
     length = float(np.linalg.norm(along))
-    return np.vstack([rows, along / length]) if length > RANK * np.linalg.norm(program.gradient) else rows
+    return (
+        np.vstack([rows, along / length])
+        if length > CURVATURE_RANK_TOLERANCE * np.linalg.norm(program.gradient)
+        else rows
+    )
 
 
 def _with_larger_shares(program: QuadraticProgram, size: float) -> QuadraticProgram:

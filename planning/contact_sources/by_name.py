@@ -14,8 +14,8 @@ from .fixed import FixedContacts
 from .least_effort import LeastEffortContacts
 from .periodic import PeriodicContacts
 from .scheduled import ScheduledContacts
+from .strategies import LEAST_EFFORT, PERIODIC, SCHEDULE, STRATEGIES, TEACH
 from .teaching import TeachingContacts
-from .ways import LEAST_EFFORT, PERIODIC, SCHEDULE, TEACH, WAYS
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -34,7 +34,7 @@ def contact_source(
 ) -> ContactSource:
     """The source called `way`, for a cart that is first believed to be `cart`. Contacts are judged over seconds, so
     rates of the arms don't count."""
-    check_known("contacts", [way], WAYS)
+    check_known("contacts", [way], STRATEGIES)
     arms = [arm.without_rate() for arm in arms]
     if way == PERIODIC:
         return PeriodicContacts(arms, choosing.every)

@@ -9,8 +9,8 @@ from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, number, po
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.information import WrenchNoise
 
-LONGEST = 3600.0  # s
-USUAL_NOISE = WrenchNoise()
+MAX_HORIZON = 3600.0  # s
+DEFAULT_WRENCH_NOISE = WrenchNoise()
 
 
 @dataclass(frozen=True)
@@ -36,12 +36,12 @@ class Choosing:
     asked: Mapping[str, float] = field(default_factory=lambda: {"com_x": 0.02, "com_y": 0.02})
     extra_effort: float = 0.3
     regrasp_effort: float = 20.0
-    noise: WrenchNoise = USUAL_NOISE
+    noise: WrenchNoise = DEFAULT_WRENCH_NOISE
     min_hand_distance: float = 0.0
 
     def __post_init__(self) -> None:
-        positive("choosing: every", self.every, LONGEST, "give s")
-        positive("choosing: ahead", self.ahead, LONGEST, "give s")
+        positive("choosing: every", self.every, MAX_HORIZON, "give s")
+        positive("choosing: ahead", self.ahead, MAX_HORIZON, "give s")
         check_kind("choosing: asked", self.asked, Mapping, 'write {"com_x": 0.02}')
         check_known("choosing: asked", self.asked, PHYSICAL_NAMES)
         for name, std in self.asked.items():

@@ -17,7 +17,7 @@ from ..schedule.regrasps import Grip, Horizon, RegraspCost, Schedule
 from ..schedule.schedule import plan_schedule
 from ..schedule.stage_efforts import candidate_points
 from .choosing import Choosing
-from .outlook import SAME_PLACE
+from .lookahead import SAME_CHOICE_DISTANCE
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -25,7 +25,7 @@ if TYPE_CHECKING:
 
     from ..control.hand import RegraspTimes
 
-STAGES = 20
+HORIZON_STAGES = 20
 """The number of stages of a horizon."""
 
 
@@ -50,7 +50,7 @@ class ScheduledContacts:
         self._chosen, self._due = ContactChoice({arm.name: arm.contacts.first for arm in arms}), -np.inf
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
-        if query.time >= self._due - 1e-9 and query.time < self._reference.duration - SAME_PLACE:
+        if query.time >= self._due - 1e-9 and query.time < self._reference.duration - SAME_CHOICE_DISTANCE:
             self._plan(query)
         if self._schedule is not None:
             grips = self._schedule.grips(query.time)
@@ -59,11 +59,14 @@ class ScheduledContacts:
 
     def _plan(self, query: ContactQuery) -> None:
         held = {name: Grip(point) for name, point in query.held.items()}
-        if any(np.abs(self._points[name] - grip.contact).max(axis=1).min() > SAME_PLACE for name, grip in held.items()):
+        if any(
+            np.abs(self._points[name] - grip.contact).max(axis=1).min() > SAME_CHOICE_DISTANCE
+            for name, grip in held.items()
+        ):
             return  # a hand is on its way
         self._due = query.time + self._choosing.every
         length, apart = self._choosing.ahead, self._choosing.min_hand_distance
-        horizon = Horizon(query.time, length / STAGES, held or None, apart, length)
+        horizon = Horizon(query.time, length / HORIZON_STAGES, held or None, apart, length)
         cart = self._cart if query.estimate is None else query.estimate.cart()
         if self._schedule is None and held:
             self._chosen = self._chosen._replace(contacts=query.held)

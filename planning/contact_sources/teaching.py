@@ -21,7 +21,7 @@ from cartgrasp.information import covariance_after
 from cartgrasp.roles import ContactChoice, ContactQuery
 
 from .choosing import Choosing
-from .outlook import ContactFamily, Outlook
+from .lookahead import ContactFamily, Lookahead
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -30,12 +30,12 @@ if TYPE_CHECKING:
 
     from ..control.hand import RegraspTimes
 
-LEAST_GAIN = 0.1
+MIN_INFORMATION_GAIN = 0.1
 """The least decrease of the log of the product of standard deviations that is worth a regrasp."""
-SPARE = 1.0
+FREE_EFFORT = 1.0
 """N² that may be spent wherever nothing is needed."""
-SHORTEST = 0.2  # s of the reference that are worth a choice
-LEAST, CANNOT = "least effort", "no contacts can drive the time ahead"
+MIN_LOOKAHEAD = 0.2  # s of the reference that are worth a choice
+FOR_LEAST_EFFORT, NO_CONTACTS = "least effort", "no contacts can drive the time ahead"
 
 
 @final
@@ -53,48 +53,50 @@ class TeachingContacts:
         self._family = ContactFamily.of(cart, arms, choosing.noise, choosing.min_hand_distance)
         self._reference, self._choosing, self._cart, self._times = reference, choosing, cart, regrasp
         first = {arm.name: arm.contacts.first for arm in arms}
-        self._chosen, self._due = ContactChoice(first, LEAST), -np.inf
+        self._chosen, self._due = ContactChoice(first, FOR_LEAST_EFFORT), -np.inf
 
     def warm_up(self) -> None:
         self._family.planner.warm_up()
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
         stop = min(query.time + self._choosing.ahead, self._reference.duration)
-        if query.time < self._due - 1e-9 or stop - query.time < SHORTEST:
+        if query.time < self._due - 1e-9 or stop - query.time < MIN_LOOKAHEAD:
             return self._chosen
         held = self._family.index_of(query.held)
         if held is None and query.held:
             return self._chosen  # a hand is on its way
         self._due = query.time + self._choosing.every
         cart = self._cart if query.estimate is None else query.estimate.cart()
-        outlook = self._family.ahead(cart, self._reference, (query.time, stop))
+        lookahead = self._family.ahead(cart, self._reference, (query.time, stop))
         left = self._reference.duration - query.time  # for which the time ahead stands
-        charges = outlook.regrasps(held, self._times, self._choosing.regrasp_effort) / left
-        self._chosen = self._choose(outlook, query.estimate, charges, held)
+        charges = lookahead.regrasps(held, self._times, self._choosing.regrasp_effort) / left
+        self._chosen = self._choose(lookahead, query.estimate, charges, held)
         return self._chosen
 
-    def _choose(self, outlook: Outlook, estimate: Estimate | None, charges: Array, held: int | None) -> ContactChoice:
-        cheapest = outlook.cheapest(charges)
+    def _choose(
+        self, lookahead: Lookahead, estimate: Estimate | None, charges: Array, held: int | None
+    ) -> ContactChoice:
+        cheapest = lookahead.cheapest(charges)
         if cheapest is None:
-            return ContactChoice(self._chosen.contacts if held is None else self._family.contacts(held), CANNOT)
+            return ContactChoice(self._chosen.contacts if held is None else self._family.contacts(held), NO_CONTACTS)
         wanted = {} if estimate is None else self._not_known(estimate)
         if estimate is None or estimate.covariance is None or not wanted:
-            return ContactChoice(self._family.contacts(cheapest), LEAST)
+            return ContactChoice(self._family.contacts(cheapest), FOR_LEAST_EFFORT)
         asked = np.array([PHYSICAL_NAMES.index(name) for name in wanted])
-        after = self._deviations(estimate, covariance_after(estimate.covariance, outlook.taught))[:, asked]
+        after = self._deviations(estimate, covariance_after(estimate.covariance, lookahead.taught))[:, asked]
         merits = np.log(after).sum(axis=1)
-        budget = (1 + self._choosing.extra_effort) * (outlook.effort(cheapest) + charges[cheapest]) + SPARE
-        best = self._most_taught(outlook, merits, charges, budget)
-        if held is not None and merits[held] - merits[best] < LEAST_GAIN and outlook.effort(held) <= budget:
+        budget = (1 + self._choosing.extra_effort) * (lookahead.effort(cheapest) + charges[cheapest]) + FREE_EFFORT
+        best = self._most_taught(lookahead, merits, charges, budget)
+        if held is not None and merits[held] - merits[best] < MIN_INFORMATION_GAIN and lookahead.effort(held) <= budget:
             best = held
         falls = self._deviations(estimate, estimate.covariance)[asked] / after[best]
         return ContactChoice(self._family.contacts(best), f"teaches {list(wanted)[int(falls.argmax())]}")
 
-    def _most_taught(self, outlook: Outlook, merits: Array, charges: Array, budget: float) -> int:
+    def _most_taught(self, lookahead: Lookahead, merits: Array, charges: Array, budget: float) -> int:
         """The choice that teaches most within a budget (N²), which at least one is."""
-        lowest = outlook.lowest + charges
+        lowest = lookahead.lowest + charges
         order = np.lexsort((lowest, np.round(merits, 3)))
-        within = (c for c in order.tolist() if lowest[c] <= budget and outlook.effort(c) + charges[c] <= budget)
+        within = (c for c in order.tolist() if lowest[c] <= budget and lookahead.effort(c) + charges[c] <= budget)
         return int(next(within))
 
     def _not_known(self, estimate: Estimate) -> dict[str, float]:

@@ -21,8 +21,8 @@ from ..allocation.allocation_template import AllocationTemplate
 from ..allocation.duality import Cut
 from .contact_regions import DISTANCE_TOLERANCE
 
-RECENT = 32  # cuts tried on a box
-TABLE_SIZE = 2**16  # choices that one table holds
+MAX_CUTS_PER_BOX = 32  # cuts tried on a box
+MAX_TABLE_CHOICES = 2**16  # choices that one table holds
 Scalar = TypeVar("Scalar", bound=np.generic)
 
 
@@ -119,7 +119,7 @@ class Candidates:
             return min((math.dist(p, q) for p, q in combinations(self.vertices.tolist(), 2)), default=np.inf)
         pairs = [(i, j) for j in range(self.n_arms) for i in range(j)]
         slices = [slice(a, b) for a, b in zip(self.starts, self.starts[1:], strict=False)]
-        if self.count > TABLE_SIZE:
+        if self.count > MAX_TABLE_CHOICES:
             return min((float(self.reach[slices[i], slices[j]].max()) for i, j in pairs), default=np.inf)
         least = np.full([part.stop - part.start for part in slices], np.inf)
         for i, j in pairs:
@@ -219,7 +219,7 @@ class CutPool:
         """Bounds (c,) by recent cuts for cases (c, n, 3), without what options cost. A range of contacts is bounded
         where a cut is least."""
         rows = self._template.contact_rows(np.stack([high, low]))
-        recent = range(max(0, len(self._cuts) - RECENT), len(self._cuts))
+        recent = range(max(0, len(self._cuts) - MAX_CUTS_PER_BOX), len(self._cuts))
         values = [self._cuts[i].value(rows[int(self._cuts[i].looks_low)]) for i in recent]
         return self._best(np.array(values).reshape(len(values), len(high)), recent.start)
 

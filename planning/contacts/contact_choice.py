@@ -27,11 +27,11 @@ from cartgrasp.frames import Array
 from ..allocation.allocation_template import AllocationTemplate
 from ..plan import ChoiceProof
 from ..quadratic_program import EQUALITY_TOLERANCE
-from .contact_bounds import TABLE_SIZE, Candidates, ChoiceTable, CutPool
+from .contact_bounds import MAX_TABLE_CHOICES, Candidates, ChoiceTable, CutPool
 from .contact_cases import GAP_TOLERANCE, Answer, CaseSolver, Question
 from .contact_regions import DISTANCE_TOLERANCE, Box, Region, boxes, hand_distance
 
-SMALLEST_BOX = 1e-9  # m
+MIN_BOX_WIDTH = 1e-9  # m
 WIDENED_GAP = 1e-3
 
 
@@ -156,7 +156,7 @@ class ContactSearch:
     def _next_arms(self, start: int) -> int:
         """How many arms one table takes in: as many as the last ones that it has room for, or one."""
         sizes = np.diff(self._candidates.starts)[start:]
-        return len(sizes) if np.prod(sizes, dtype=float) <= TABLE_SIZE else 1
+        return len(sizes) if np.prod(sizes, dtype=float) <= MAX_TABLE_CHOICES else 1
 
     def _solve_box(self, bound: float, box: Box) -> None:
         region = Region.of(box, self._candidates.distance)
@@ -170,7 +170,7 @@ class ContactSearch:
             self._accept(answer.value, contacts)
             return
         self._try_near(region, contacts)
-        if box.size < SMALLEST_BOX:
+        if box.size < MIN_BOX_WIDTH:
             self._leave(answer.value)
             return
         for half in box.halves():

@@ -32,7 +32,7 @@ from ..quadratic_program import NUMERICAL
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-TOLERANCE = 1e-8
+RELAXATION_TOLERANCE = 1e-8
 
 
 @dataclass(frozen=True, eq=False)
@@ -81,7 +81,9 @@ def relax_contact_choice(
     with warnings.catch_warnings():
         warnings.simplefilter("ignore", UserWarning)  # the status says `optimal_inaccurate` then
         try:
-            problem.solve(solver=cvxpy.CLARABEL, **dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), TOLERANCE))
+            problem.solve(
+                solver=cvxpy.CLARABEL, **dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), RELAXATION_TOLERANCE)
+            )
         except cvxpy.SolverError:
             return ContactRelaxation(NUMERICAL, -np.inf, {})
     status = str(problem.status)

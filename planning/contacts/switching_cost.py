@@ -19,8 +19,8 @@ from cartgrasp.frames import Array
 
 from .contact_bounds import Candidates
 
-SAME_PLACE = 1e-9  # m
-LARGEST_COST = 1e9  # gaps are relative: beside more than this they would say nothing of efforts
+SAME_CONTACT_DISTANCE = 1e-9  # m
+MAX_SWITCHING_COST = 1e9  # gaps are relative: beside more than this they would say nothing of efforts
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +41,7 @@ class Switching:
         for arm, point in enumerate(held):
             own = ends[starts[arm] : starts[arm + 1]]
             is_point = (own[:, 0] == own[:, 1]).all(axis=1)
-            near = _away(own, point) <= SAME_PLACE
+            near = _away(own, point) <= SAME_CONTACT_DISTANCE
             if len(own) == 1 and is_point[0]:
                 stay[arm] = own[0, 0]
             elif (near & is_point).any():
@@ -77,7 +77,7 @@ class SwitchingCost:
         by_arm = dict(cost) if isinstance(cost, Mapping) else dict.fromkeys(names, cost)
         check_known("switching_cost", by_arm, names)
         for one in by_arm.values():
-            number("switching_cost", one, 0.0, LARGEST_COST, "give one for all arms, or one by arm")
+            number("switching_cost", one, 0.0, MAX_SWITCHING_COST, "give one for all arms, or one by arm")
         self._costs = np.array([by_arm.get(name, 0.0) for name in names], dtype=float)
         self.is_any = bool(self._costs.any())
         self._last: tuple[Candidates, Array, Switching] | None = None

@@ -8,11 +8,11 @@ from cartgrasp.motion import Motion
 
 from ..tracking import wrench_as_it_moves
 
-WITHIN = 0.5
+BRAKING_TIME_CONSTANT = 0.5
 """s: the time constant; after four of these, 2 s, 2 % of the velocity is left."""
 
 
 def braking_wrench(model: CartModel, motion: Motion, time: float, share: float = 1.0) -> Array:
-    """The planar wrench (3,) in {b} under which velocities fade as they are, `nu' = -share nu / WITHIN`, so that the
-    cart stays on its curve."""
-    return wrench_as_it_moves(model, motion, -share * motion.velocity / WITHIN, time)
+    """The planar wrench (3,) in {b} under which velocities fade as they are, so that the cart stays on its curve:
+    `nu' = -share nu / BRAKING_TIME_CONSTANT`."""
+    return wrench_as_it_moves(model, motion, -share * motion.velocity / BRAKING_TIME_CONSTANT, time)

@@ -14,17 +14,17 @@ from cartgrasp.roles import ReferencePath
 
 from ..plan import USABLE
 
-QUICKEST, WIDEST = 100.0, 100.0
-AWAY = 0.3
+MAX_CHANGE, MAX_WIDENING = 100.0, 100.0
+MAX_STEP_GAP = 0.3
 """s between two steps, if not of such a period, from which on nobody drove the cart meanwhile."""
 HEALTHS = frozenset({"ok", "stale", "clock_went_back", "no_wrench", "inconsistent", "load_changed", "outliers"})
 """The words of `estimation.Health`, which planning does not know."""
 OK, IDLE, NO_ARM = "ok", "idle_arm", "no_arm"
 """The health under which all is well; and the words for an arm that is felt to give little of what it is told, and for
 all of them, in its place."""
-FITS = frozenset({OK, "load_changed", "no_wrench"})
+TRUSTED_HEALTHS = frozenset({OK, "load_changed", "no_wrench"})
 """Healths under which what is learned holds, as far as it says itself."""
-GIVES = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
+OBEDIENCE_WORDS = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
 
 
 @dataclass(frozen=True)
@@ -67,16 +67,16 @@ class Caution:
     sure: float = 0.15
 
     def __post_init__(self) -> None:
-        for name, low, high in (("pace", 0.0, 1.0), ("widen", 1.0, WIDEST)):
+        for name, low, high in (("pace", 0.0, 1.0), ("widen", 1.0, MAX_WIDENING)):
             rule = getattr(self, name)
             check_kind(f"caution: {name}", rule, Mapping, 'write {"inconsistent": …}')
             for health, value in rule.items():
-                check_known(f"caution: {name}", [health], HEALTHS | GIVES.keys())
+                check_known(f"caution: {name}", [health], HEALTHS | OBEDIENCE_WORDS.keys())
                 number(f"caution: {name}: {health}", value, low, high)
-        positive("caution: change", self.change, QUICKEST, "give 1/s")
+        positive("caution: change", self.change, MAX_CHANGE, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
         positive("caution: behind", self.behind, FARTHEST, "give m")
-        positive("caution: sure", self.sure, QUICKEST, "give a share")
+        positive("caution: sure", self.sure, MAX_CHANGE, "give a share")
 
     def wanted(self, health: str, last: tuple[str, str], behind: float) -> tuple[float, str]:
         """The share of its speed at which the reference is to go on, and why not at all of it; of the `last` plan there
@@ -86,7 +86,7 @@ class Caution:
         share = 1.0 if health == NO_ARM and behind < 0.0 else self.pace.get(health, 1.0)
         if share == 1.0 and not margins and status in USABLE and behind <= self.behind:
             return 1.0, ""
-        why = GIVES.get(health, f"health {health}")
+        why = OBEDIENCE_WORDS.get(health, f"health {health}")
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: {why}")]
         if margins:
             reasons.append((self.short, f"slows to {100 * self.short:.0f} % of its speed"))
@@ -100,7 +100,7 @@ class Caution:
         """Whether the tracker is to use what is newly believed of the cart, not what it `used` last."""
         if new.disturbance is not None:
             return True
-        return new.health in FITS and _unsure(new) <= max(self.sure, _unsure(used))
+        return new.health in TRUSTED_HEALTHS and _unsure(new) <= max(self.sure, _unsure(used))
 
     def wider(self, health: str) -> str:
         """In words, how many times as wide margins are; empty where they are as they were."""
@@ -137,7 +137,7 @@ class Pace:
     share: float = 1.0
     rate: float = 0.0
 
-    def after(self, duration: float, wanted: float, change: float, longest: float = AWAY) -> Pace:
+    def after(self, duration: float, wanted: float, change: float, longest: float = MAX_STEP_GAP) -> Pace:
         """So many s later, the share being wanted so. After a pause, `longest` s and more, it goes on from rest."""
         if duration <= 0:
             return replace(self, rate=0.0)

@@ -22,35 +22,36 @@ from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimato
 
 from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
-from ..contact_sources.ways import FIXED
+from ..contact_sources.strategies import FIXED
 from ..limits import CartLimit
 from ..objectives import Objective
-from ..planner import LONGEST_PERIOD, WrenchPlanner
+from ..planner import MAX_PERIOD, WrenchPlanner
 from ..quadratic_program import OPTIMAL
 from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .braking import braking_wrench
-from .caution import AWAY, IDLE, NO_ARM, OK, Caution, Pace, behind_of
+from .caution import IDLE, MAX_STEP_GAP, NO_ARM, OK, Caution, Pace, behind_of
+from .command_tracking import CommandTracking, probed
+from .controller_checks import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
 from .default_filter import default_filter
-from .given import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
 from .hand import RegraspTimes
-from .letting_go import Ahead
-from .obedience import Obedience, probed
 from .regrasps import Given, Regrasps
 from .rejection import Rejection
-from .saved import Saved, as_first_guess, read_saved
+from .release import Ahead
+from .saved_state import Saved, as_first_guess, read_saved
 from .step import Step
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate, Reference
 
-ASTRAY = ("stale", "clock_went_back")
-LOST = (*ASTRAY, "no_wrench")
+LOST_MOTION_HEALTHS = ("stale", "clock_went_back")
+NO_REGRASP_HEALTHS = (*LOST_MOTION_HEALTHS, "no_wrench")
 """Healths under which no hand lets go."""
-WAITS = "waits for a first pose"
-FARTHEST_DRIFT = 10.0
-USUAL, AS_CHOSEN, CAREFUL, REJECTS = RegraspTimes(), Choosing(), Caution(), Rejection()
+WAITING_FOR_POSE = "waits for a first pose"
+MAX_DRIFT = 10.0
+DEFAULT_REGRASP_TIMES, DEFAULT_CHOOSING = RegraspTimes(), Choosing()
+DEFAULT_CAUTION, DEFAULT_REJECTION = Caution(), Rejection()
 
 
 # Many methods: a step is one short stage after the other, each with its name.
@@ -103,14 +104,14 @@ class Controller:
         reference: ReferencePath,
         *,
         contacts: str | ContactSource = FIXED,
-        choosing: Choosing = AS_CHOSEN,
-        regrasp: RegraspTimes | None = USUAL,
+        choosing: Choosing = DEFAULT_CHOOSING,
+        regrasp: RegraspTimes | None = DEFAULT_REGRASP_TIMES,
         held: Mapping[str, ArrayLike] | None = None,
         objective: Objective | None = None,
         cart_limits: Sequence[CartLimit] = (),
         confidence: float | None = None,
-        caution: Caution | None = CAREFUL,
-        rejection: Rejection | None = REJECTS,
+        caution: Caution | None = DEFAULT_CAUTION,
+        rejection: Rejection | None = DEFAULT_REJECTION,
         drift: float = 0.05,
         gains: Gains | None = None,
         estimator: Estimator | None = None,
@@ -119,8 +120,8 @@ class Controller:
         period: float = 0.01,
         learn: bool = True,
     ) -> None:
-        positive("controller: period", period, LONGEST_PERIOD, "give s")
-        number("controller: drift", drift, 0.0, FARTHEST_DRIFT, "give m")
+        positive("controller: period", period, MAX_PERIOD, "give s")
+        number("controller: drift", drift, 0.0, MAX_DRIFT, "give m")
         if not callable(getattr(reference, "at", None)):
             raise UsageError(f"controller: reference: {shown(reference)} is no path; write PathReference(chain(…))")
         check_for_cart(reference, cart)
@@ -168,7 +169,7 @@ class Controller:
         self._used: Estimate | None = None  # of which the cart was
         self._time, self._pace = -math.inf, Pace(0.0)
         self._knows_where = False  # once a pose was seen
-        self._obedience, self._heard = Obedience(), -math.inf
+        self._command_tracking, self._heard = CommandTracking(), -math.inf
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -217,9 +218,9 @@ class Controller:
         if not measurement.contacts.keys() >= measurement.wrenches.keys():
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
         if self._last is not None and measurement.wrenches and measurement.time > self._heard:
-            elapsed = min(measurement.time - self._heard, AWAY) if math.isfinite(self._heard) else 0.0
+            elapsed = min(measurement.time - self._heard, MAX_STEP_GAP) if math.isfinite(self._heard) else 0.0
             self._heard = measurement.time
-            self._obedience = self._obedience.after(self._last.wrenches, measurement.wrenches, elapsed)
+            self._command_tracking = self._command_tracking.after(self._last.wrenches, measurement.wrenches, elapsed)
         estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
@@ -273,10 +274,14 @@ class Controller:
     def _paced(self, estimate: Estimate, time: float) -> tuple[Reference, float, str]:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
-        elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(AWAY, 2.0 * self.period)
+        elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(MAX_STEP_GAP, 2.0 * self.period)
         if caution is None:
             self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
-            return self._pace.reference(self.reference, time), self._pace.along, "" if self._knows_where else WAITS
+            return (
+                self._pace.reference(self.reference, time),
+                self._pace.along,
+                "" if self._knows_where else WAITING_FOR_POSE,
+            )
         planned, behind, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
@@ -284,7 +289,7 @@ class Controller:
                 health = NO_ARM if self._idle.keys() == self._names else IDLE
             there = last.reference if self._pace.share > 0.0 else self.reference.at(self._pace.along)
             behind = behind_of(there, estimate.motion.pose_sb)
-        wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, WAITS)
+        wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, WAITING_FOR_POSE)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
         self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
@@ -318,11 +323,11 @@ class Controller:
     @property
     def _idle(self) -> Mapping[str, float]:
         """The arms that give little of what they are told, with how much; by sensors that mean what they say."""
-        return {} if self._is_misled else self._obedience.idle
+        return {} if self._is_misled else self._command_tracking.idle
 
     def _against(self, estimate: Estimate) -> Array:
         """Planar wrench (3,) against what pushes beside all that is known."""
-        if self._rejection is None or estimate.disturbance is None or estimate.health in LOST:
+        if self._rejection is None or estimate.disturbance is None or estimate.health in NO_REGRASP_HEALTHS:
             return np.zeros(3)
         return self.cart.planar_wrench(self._rejection.fed_forward(estimate.disturbance))
 
@@ -330,7 +335,7 @@ class Controller:
         """What brings the cart to rest; where nobody knows how it moves, nothing is what stops it."""
         if not self._needs_estimate:
             return None
-        if not self._knows_where or believed.health in ASTRAY:
+        if not self._knows_where or believed.health in LOST_MOTION_HEALTHS:
             return lambda share: np.zeros(3)
         return lambda share: braking_wrench(model, believed.motion, time, share) + self._against(believed)
 
@@ -342,7 +347,7 @@ class Controller:
     def _for_planner(self, estimate: Estimate) -> Estimate | None:
         """The estimate; to a planner that only tells by it what wheels take, none whose motion is lost."""
         if not self._needs_estimate:
-            return None if estimate.health in ASTRAY else estimate
+            return None if estimate.health in LOST_MOTION_HEALTHS else estimate
         return estimate if self._caution is None else self._caution.widened(estimate)
 
     def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
@@ -351,7 +356,7 @@ class Controller:
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
         regrasps.go_on(max(0.0, time - self._time), self._idle.keys())
-        if health not in LOST:
+        if health not in NO_REGRASP_HEALTHS:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
 

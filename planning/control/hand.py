@@ -19,7 +19,7 @@ from cartgrasp.frames import Array
 
 Point = tuple[float, float, float]
 Distances = TypeVar("Distances", float, Array)
-LONGEST, FASTEST = 60.0, 10.0
+MAX_REGRASP_TIME, MAX_HAND_SPEED = 60.0, 10.0
 """s of a phase, m/s of a hand."""
 
 
@@ -58,9 +58,9 @@ class RegraspTimes:
     load: float = 0.2
 
     def __post_init__(self) -> None:
-        positive("regrasp: speed", self.speed, FASTEST, "give m/s")
+        positive("regrasp: speed", self.speed, MAX_HAND_SPEED, "give m/s")
         for name in ("unload", "take_hold", "load"):
-            number(f"regrasp: {name}", getattr(self, name), 0.0, LONGEST, "give s")
+            number(f"regrasp: {name}", getattr(self, name), 0.0, MAX_REGRASP_TIME, "give s")
 
     def away(self, distance: Distances) -> Distances:
         """s in which the hand gives nothing, for contacts so many m apart."""

@@ -3,7 +3,7 @@
 One hand at a time lets go. A hand with share s of its wrench gives s times what the plan of all arms asks of it, and
 the others are planned for what is left, so that the cart gets what it is to get as long as they can give it. Where its
 rate of change is limited, a ramp takes as long as that needs. So it is with an arm that gives little of what it is
-told (obedience.py): the others bear what it does not, and when it is back it is loaded along a ramp.
+told (command_tracking.py): the others bear what it does not, and when it is back it is loaded along a ramp.
 """
 
 from __future__ import annotations
@@ -26,12 +26,12 @@ from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
 from ..tick.stopping import Stop
 from ..tick.terms import why_no_posture
+from .command_tracking import probing
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
-from .letting_go import Ahead, why_cart_cannot_coast, why_others_cannot
-from .obedience import probing
+from .release import Ahead, why_cart_cannot_coast, why_others_cannot
 
-RETRY = 0.2  # s until a hand that may not let go is asked again
-ALONE = "no other hand holds: the cart coasts"
+RETRY_INTERVAL = 0.2  # s until a hand that may not let go is asked again
+NO_OTHER_HAND = "no other hand holds: the cart coasts"
 Doing = tuple[str, Phase, bool] | None
 """The arm that gives less than it is planned to, what its hand does, and whether it is idle."""
 
@@ -145,7 +145,7 @@ class Regrasps:
             own = self._towards(name, own)
         away = frozenset({name}) if self.hands[name].is_away else frozenset()
         if name not in self._others:
-            plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=ALONE)
+            plan = Plan(RELAXED, {name: own}, contacts, self._yaws, message=NO_OTHER_HAND)
             return plan, ContactWrenches({name: own}, contacts, self._yaws, away)
         felt = np.zeros(6) if name in self._idle else own
         beside = ContactWrenches({name: felt}, {name: contacts[name]}, self._yaws)
@@ -174,7 +174,7 @@ class Regrasps:
 
     def _is_due(self, name: str, target: Point, time: float) -> bool:
         asked = self._asked.get(name)
-        return asked is None or asked[0] != target or time >= asked[1] + RETRY - 1e-9
+        return asked is None or asked[0] != target or time >= asked[1] + RETRY_INTERVAL - 1e-9
 
     def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
         if why := why_no_posture(self._arms[name], target):

@@ -15,8 +15,8 @@ from cartgrasp.writing import write_folder
 
 from .problem_code import EmbeddedProblem, header, source
 
-MARK = "problem.h"  # what a folder of ours holds
-PREFIX = "cartgrasp_osqp_"
+MARKER_FILE = "problem.h"  # what a folder of ours holds
+SYMBOL_PREFIX = "cartgrasp_osqp_"
 
 
 def export_c(problem: EmbeddedProblem, folder: str | os.PathLike[str], wrench: tuple[float, float, float]) -> Path:
@@ -31,7 +31,7 @@ def check_free(folder: Path) -> None:
     """Refuses a place that holds something else."""
     if folder.exists() and not folder.is_dir():
         raise UsageError(f"{folder}: is a file; name a folder")
-    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARK).is_file():
+    if folder.is_dir() and any(folder.iterdir()) and not (folder / MARKER_FILE).is_file():
         raise UsageError(f"{folder}: holds other files; name a new folder, or one that export-c wrote")
 
 
@@ -63,7 +63,7 @@ def _write_osqp(problem: EmbeddedProblem, folder: Path) -> None:
         check_termination=10,
         adaptive_rho_interval=50,
     )
-    solver.codegen(str(folder), parameters="matrices", extension_name=None, prefix=PREFIX)
+    solver.codegen(str(folder), parameters="matrices", extension_name=None, prefix=SYMBOL_PREFIX)
     for name in ("CMakeLists.txt", "Makefile", "emosqp.c"):
         (folder / name).unlink(missing_ok=True)
     licence = next(file for file in metadata.files("osqp") or () if file.name == "LICENSE")

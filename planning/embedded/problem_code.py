@@ -22,7 +22,7 @@ from planning.quadratic_program import QuadraticProgram
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-MOST_ITERATIONS = 4000
+MAX_OSQP_ITERATIONS = 4000
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ def header(problem: EmbeddedProblem) -> str:
 #define CARTGRASP_FREE {k} /* effective rows on the cart: {", ".join(template.row_names)} */
 #define CARTGRASP_CONTACT_ROWS {contact_rows} /* limits of the cart, then the effective rows */
 #define CARTGRASP_ARM_ROWS {len(program.rows) - contact_rows}
-#define CARTGRASP_MOST_ITERATIONS {MOST_ITERATIONS} /* of OSQP in one plan */
+#define CARTGRASP_MOST_ITERATIONS {MAX_OSQP_ITERATIONS} /* of OSQP in one plan */
 
 /* The order of arms in contacts and wrenches. */
 enum cartgrasp_arm {{

@@ -27,8 +27,8 @@ from cartgrasp.motion import Reference
 if TYPE_CHECKING:
     from cartgrasp.roles import ReferencePath
 
-ORDERS = 4
-LOOK = 0.02  # s, between looks for steps of acceleration
+DERIVATIVE_ORDERS = 4
+ACCELERATION_CHECK_INTERVAL = 0.02  # s, between looks for steps of acceleration
 _HARMONICS = np.arange(-2, 3)
 _SIN4 = np.array([1.0, -4.0, 6.0, -4.0, 1.0]) / 16  # sin⁴(pi s) = sum of these times exp(2 pi i j s)
 
@@ -45,7 +45,7 @@ class Wave:
         speeds = 2j * np.pi * (_HARMONICS + self.swings)
         turn = -1j if self.swings else 1.0
         waves = np.exp(speeds * np.asarray(s)[..., None]) * _SIN4
-        powers = (speeds / duration) ** np.arange(ORDERS)[:, None]
+        powers = (speeds / duration) ** np.arange(DERIVATIVE_ORDERS)[:, None]
         values = self.amplitude * (turn * waves @ powers.T).real
         inside = (np.asarray(s) > 0) & (np.asarray(s) < 1)
         return np.asarray(np.where(inside[..., None], values, 0.0))
@@ -119,7 +119,7 @@ def deviated(velocity: Array, acceleration: Array, offsets: Array) -> tuple[Arra
 
 def steady_part(reference: ReferencePath, start: float, stop: float) -> tuple[float, float]:
     """The longest part of a window in which the reference's accelerations stay as they are."""
-    times = np.linspace(start, stop, max(2, int(np.ceil((stop - start) / LOOK))) + 1)[1:-1]
+    times = np.linspace(start, stop, max(2, int(np.ceil((stop - start) / ACCELERATION_CHECK_INTERVAL))) + 1)[1:-1]
     accelerations = np.array([reference.at(time).acceleration for time in times])
     steps = np.flatnonzero(np.abs(np.diff(accelerations, axis=0)).max(axis=1) > 1e-9)
     edges = np.concatenate([[start], times[steps + 1], [stop]])

@@ -45,8 +45,8 @@ if TYPE_CHECKING:
     from cartgrasp.roles import ReferencePath
 
 E_OPTIMAL, D_OPTIMAL = "E", "D"
-ROUNDING = 1e-9
-DIGITS = 9
+EFFORT_TOLERANCE = 1e-9
+MERIT_DECIMALS = 9
 """Decimals to which the logarithm of the merit is rounded; motions that teach equally much are ordered by effort."""
 
 
@@ -149,14 +149,14 @@ class ExcitationChooser:
         values = np.linalg.eigvalsh(phi_covariance(information) / np.outer(self.scales, self.scales))
         logs = -np.log(values)
         merit = logs[..., -1] if self.allowance.criterion == E_OPTIMAL else logs.sum(axis=-1)
-        return np.asarray(np.round(merit, DIGITS))
+        return np.asarray(np.round(merit, MERIT_DECIMALS))
 
     def _least_effort(self, family: Motions, lowest: Array) -> tuple[_Allocated | None, int]:
         """The reference itself at its best contacts (None: at none), and how many QPs it took; `lowest` (J,) bounds."""
         least: _Allocated | None = None
         solved = 0
         for choice in np.argsort(lowest).tolist():
-            if least is not None and lowest[choice] * (1 - ROUNDING) >= least.effort:
+            if least is not None and lowest[choice] * (1 - EFFORT_TOLERANCE) >= least.effort:
                 break
             found = self._allocated(family, 0, choice)
             solved += family.samples
@@ -166,7 +166,7 @@ class ExcitationChooser:
 
     def _search(self, family: Motions, merits: Array, lowest: Array, least: _Allocated) -> tuple[_Allocated, int]:
         """The best within the allowance (`least` where nothing teaches more), and how many QPs it took."""
-        budget, solved = (least.effort + self.allowance.effort) * (1 + ROUNDING), 0
+        budget, solved = (least.effort + self.allowance.effort) * (1 + EFFORT_TOLERANCE), 0
         for index in np.lexsort((lowest.ravel(), -merits.ravel())).tolist():
             motion, choice = divmod(index, merits.shape[1])
             if merits[motion, choice] <= merits[least.motion, least.choice]:

@@ -27,11 +27,11 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.roles import ReferencePath
 
-SPACING = 0.1  # s, of the samples at which a window is judged
-SLOWEST = 0.1  # m/s: a slower cart is not made to weave
-SHORTEST = 0.8  # s: there is no time to weave in less
-SHARES = (1.0, 0.5, 0.25, 0.125)
-SWINGS = (0, 1, 2)
+SAMPLE_INTERVAL = 0.1  # s, of the samples at which a window is judged
+MIN_WEAVE_SPEED = 0.1  # m/s: a slower cart is not made to weave
+MIN_WEAVE_DURATION = 0.8  # s: there is no time to weave in less
+AMPLITUDE_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
+SWING_COUNTS = (0, 1, 2)
 
 
 @dataclass(frozen=True, eq=False)
@@ -51,7 +51,7 @@ class Motions:
 def motions(reference: ReferencePath, cart: CartModel, window: tuple[float, float], offset: float) -> Motions:
     """The reference in a window, and its deviations by at most `offset` (m) along and across."""
     start, stop = window
-    n = max(1, round((stop - start) / SPACING))
+    n = max(1, round((stop - start) / SAMPLE_INTERVAL))
     times = start + (np.arange(n) + 0.5) * (stop - start) / n
     references = [reference.at(time) for time in times]
     poses, velocity, acceleration = (
@@ -118,9 +118,9 @@ def _deviations(
         return []
     start, stop = steady_part(reference, *window)
     slowest = min(abs(reference.at(time).velocity[0]) for time in (start, (start + stop) / 2, stop))
-    if stop - start < SHORTEST or slowest < SLOWEST:
+    if stop - start < MIN_WEAVE_DURATION or slowest < MIN_WEAVE_SPEED:
         return []
-    sizes = [offset * share for share in SHARES]
-    along = [Wave(), *(Wave(sign * size, swings) for size in sizes for swings in SWINGS[:2] for sign in (1, -1))]
-    across = [Wave(), *(Wave(sign * size, swings) for size in sizes for swings in SWINGS for sign in (1, -1))]
+    sizes = [offset * share for share in AMPLITUDE_FRACTIONS]
+    along = [Wave(), *(Wave(sign * size, swings) for size in sizes for swings in SWING_COUNTS[:2] for sign in (1, -1))]
+    across = [Wave(), *(Wave(sign * size, swings) for size in sizes for swings in SWING_COUNTS for sign in (1, -1))]
     return [Deviation(start, stop - start, *pair) for pair in list(product(along, across))[1:]]

@@ -18,7 +18,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .proof import UNLIMITED
+from .proof import UNLIMITED_FORCE
 from .working_set import Ints
 from .workspace import Workspace
 
@@ -100,7 +100,11 @@ def tabulate(w: Workspace, table: Table, share: float) -> None:
         for v in range(starts[arm], starts[arm + 1]):
             phi[v] = 0.0
         for j in range(6 * arm, 6 * arm + 6):
-            low, high, weight = max(limits[0, j], -UNLIMITED), min(limits[1, j], UNLIMITED), share * weights[j]
+            low, high, weight = (
+                max(limits[0, j], -UNLIMITED_FORCE),
+                min(limits[1, j], UNLIMITED_FORCE),
+                share * weights[j],
+            )
             for v in range(starts[arm], starts[arm + 1]):
                 slope = slopes[0, j] + points[v, 0] * slopes[1, j] + points[v, 1] * slopes[2, j]
                 slope += points[v, 2] * slopes[3, j]

@@ -8,7 +8,7 @@ the optimum of a problem with fewer limits. Each step takes up the limit that x 
 multiplier while those held keep x on A: y_A falls by `c = (G_A H⁻¹ G_Aᵀ)⁻¹ G_A V_p` for each unit of it, and x by
 `z = V_p - V_Aᵀ c`. A limit whose multiplier reaches zero is let go. Where z = 0 and nothing can be let go, y is a
 Farkas ray: G y = 0 for what no x can keep. Every full step raises the dual cost, so no set comes twice but for
-rounding: `MOST_STEPS` ends that.
+rounding: `MAX_STEPS_PER_LIMIT` ends that.
 
 It begins with what was held at the last solve, as far as multipliers there have their sign.
 """
@@ -23,9 +23,9 @@ from .jit import compiled
 from .working_set import Held, Problem, direction, hold, image, let_go, product, solve_lower, solve_upper, subtract
 
 OPTIMAL, INFEASIBLE, FAILED, UNPROVEN, REFUSED = range(5)
-FEASIBLE = 1e-11  # of the largest equality's value, at least 1
-DEPENDENT = 1e-12  # of a normal's square: what is left of it beside the normals held
-MOST_STEPS = 10  # per limit
+FEASIBILITY_TOLERANCE = 1e-11  # of the largest equality's value, at least 1
+DEPENDENCE_TOLERANCE = 1e-12  # of a normal's square: what is left of it beside the normals held
+MAX_STEPS_PER_LIMIT = 10  # per limit
 
 
 @compiled
@@ -35,12 +35,12 @@ def solve(problem: Problem, held: Held, x: Array, y: Array) -> int:
     scale = begin(problem, held, x)
     for i in range(len(y)):
         y[i] = 0.0
-    for _ in range(MOST_STEPS * len(y)):
+    for _ in range(MAX_STEPS_PER_LIMIT * len(y)):
         worst, excess = most_broken(problem, x)
-        if abs(excess) <= FEASIBLE * scale or holds(held, worst):
+        if abs(excess) <= FEASIBILITY_TOLERANCE * scale or holds(held, worst):
             correct(problem, held, x)
             worst, excess = most_broken(problem, x)
-        if abs(excess) <= FEASIBLE * scale or holds(held, worst):
+        if abs(excess) <= FEASIBILITY_TOLERANCE * scale or holds(held, worst):
             for k in range(held.size[0]):
                 if held.side[k] * held.dual[k] >= 0.0:
                     y[held.limit[k]] = held.dual[k]
@@ -85,7 +85,7 @@ def hold_equality(problem: Problem, held: Held, i: int) -> None:
     """Unless its normal depends on those held: then it is met as well, or the program is infeasible."""
     if held.size[0] < len(problem.free):
         left = direction(problem, held, i)
-        if left > DEPENDENT * product(problem, i, i):
+        if left > DEPENDENCE_TOLERANCE * product(problem, i, i):
             hold(held, i, 0.0, left)
 
 
@@ -118,7 +118,7 @@ def take_up(problem: Problem, held: Held, p: int, excess: float, x: Array) -> bo
     dual, change, z = held.dual, held.change, held.z
     while True:
         left = direction(problem, held, p)
-        independent = left > DEPENDENT * square and held.size[0] < len(x)
+        independent = left > DEPENDENCE_TOLERANCE * square and held.size[0] < len(x)
         first, step = first_to_go(held, side, abs(excess) / left if independent else np.inf)
         if step == np.inf:
             return False

@@ -10,15 +10,15 @@ from planning.quadratic_program import QuadraticProgram
 
 from .workspace import Workspace
 
-LEAST_CURVATURE = 1e-9  # of the largest
-FLAT = 1e-100  # a curvature below is none: its inverse would overflow
+MIN_CURVATURE_RATIO = 1e-9  # of the largest
+MIN_CURVATURE = 1e-100  # a curvature below is none: its inverse would overflow
 
 
 def is_strictly_convex(hessian: Array) -> bool:
     if not np.isfinite(hessian).all():
         return False
     curvature = np.linalg.eigvalsh(hessian)
-    return bool(curvature[0] > max(LEAST_CURVATURE * curvature[-1], FLAT))
+    return bool(curvature[0] > max(MIN_CURVATURE_RATIO * curvature[-1], MIN_CURVATURE))
 
 
 def load(workspace: Workspace, program: QuadraticProgram) -> bool:

@@ -14,7 +14,7 @@ from .jit import compiled
 
 EQUALITY, LIMITS, STATIONARITY, GAP, COST, WRENCH_SCALE, SLOPE_SCALE = range(7)  # of Residuals
 EQUALITY_TOLERANCE, STATIONARITY_TOLERANCE = 1e-9, 1e-8
-UNLIMITED = 1e6
+UNLIMITED_FORCE = 1e6
 
 
 class Claim(NamedTuple):
@@ -106,7 +106,7 @@ def ray_value(claim: Claim) -> float:
         for j in range(n):
             slope[j] += y[i] * rows[i, j]
     for j in range(n):
-        at = max(limits[0, j], -UNLIMITED) if slope[j] > 0.0 else min(limits[1, j], UNLIMITED)
+        at = max(limits[0, j], -UNLIMITED_FORCE) if slope[j] > 0.0 else min(limits[1, j], UNLIMITED_FORCE)
         value += slope[j] * at
     return value / np.sqrt(square) if square > 0.0 else value
 

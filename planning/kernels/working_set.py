@@ -17,7 +17,7 @@ from cartgrasp.frames import Array
 from .jit import compiled
 
 Ints = NDArray[np.int64]
-CANCELLED = 1e-3  # of a normal's square, beside the normals held
+CANCELLATION_RATIO = 1e-3  # of a normal's square, beside the normals held
 
 
 class Problem(NamedTuple):
@@ -84,7 +84,7 @@ def direction(problem: Problem, held: Held, p: int) -> float:
         z[j] = lifted[p, j]
     subtract(problem, held, change, z)
     left = image(problem, p, z)
-    if left > CANCELLED * product(problem, p, p):
+    if left > CANCELLATION_RATIO * product(problem, p, p):
         return left
     rest = held.rest
     for k in range(held.size[0]):

@@ -14,14 +14,14 @@ from .friction_pyramid import FrictionPyramid
 from .internal_force import InternalForce
 from .joint_torque import JointTorque
 from .limit import Limit, LimitRows
-from .own_limit import own_rows
 from .payload import Payload
 from .push_only import PushOnly
-from .side_by_side import side_by_side
 from .side_force import SideForce
 from .skid import Skid
 from .soft_finger import SoftFingerLimit
+from .stacked_limits import side_by_side
 from .tip_over import TipOver
+from .user_limit import own_rows
 from .wrench_box import WrenchBox
 from .wrench_rate import WrenchRate
 

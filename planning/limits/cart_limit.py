@@ -24,7 +24,7 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Motion
 
-WIDEST = 1e6  # N, of a cone over contacts of hands without limits
+MAX_CONE_FORCE = 1e6  # N, of a cone over contacts of hands without limits
 
 
 NO_CONES = np.zeros((0, 1))
@@ -99,7 +99,7 @@ class CartRows:
             if moved is not None:
                 fixed_part, spread = (part[cone.own] for part in moved)
                 offset = offset + fixed_part
-                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), WIDEST)
+                offset[0] += min(spread[0] + float(np.linalg.norm(spread[1:])), MAX_CONE_FORCE)
             cones.append(Cone(cone.name, matrix[cone.own], offset, start + cone.first))
         return cones
 
@@ -112,7 +112,7 @@ class CartRows:
     def lifted(self) -> Self:
         """The same rows and cones, which limit nothing."""
         of_sum, offsets, free = self.of_sum.copy(), np.zeros_like(self.cone_offsets), np.full(len(self.low), np.inf)
-        of_sum[self.n_plain :], offsets[:, :1] = 0.0, WIDEST
+        of_sum[self.n_plain :], offsets[:, :1] = 0.0, MAX_CONE_FORCE
         return replace(self, of_sum=of_sum, low=-free, high=free, cone_offsets=offsets)
 
     def is_like(self, other: CartRows) -> bool:

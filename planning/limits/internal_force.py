@@ -22,7 +22,7 @@ from cartgrasp.frames import Array, rotation_z
 
 from .cart_limit import CartLimit, CartRows, Pushed
 
-HANDLE = (0.0, 1.0, 0.0)
+HANDLE_AXIS_B = (0.0, 1.0, 0.0)
 
 
 @final
@@ -31,7 +31,7 @@ class InternalForce(CartLimit):
     """`bound` in N, along `axis` in {b}: the handle's direction, of any length."""
 
     bound: float
-    axis: tuple[float, float, float] = HANDLE
+    axis: tuple[float, float, float] = HANDLE_AXIS_B
 
     def __post_init__(self) -> None:
         number("internal force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")

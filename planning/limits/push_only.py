@@ -9,12 +9,14 @@ from cartgrasp.arms import Arm
 from .limit import Limit, LimitRows
 
 PUSH_ONLY = "push only"
-NONE = LimitRows()
-ROWS = LimitRows(
-    lower=np.array([0.0, *NONE.lower[1:]]), upper=NONE.upper, lower_names=(PUSH_ONLY, *NONE.lower_names[1:])
+UNLIMITED_ROWS = LimitRows()
+PUSH_ONLY_ROWS = LimitRows(
+    lower=np.array([0.0, *UNLIMITED_ROWS.lower[1:]]),
+    upper=UNLIMITED_ROWS.upper,
+    lower_names=(PUSH_ONLY, *UNLIMITED_ROWS.lower_names[1:]),
 )
 
 
 class PushOnly(Limit):
     def rows(self, arm: Arm) -> LimitRows:
-        return ROWS
+        return PUSH_ONLY_ROWS

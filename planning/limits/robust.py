@@ -34,8 +34,8 @@ from .floor_limit import FloorLimit, FloorRows
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-RANK = 1e-12  # of the correlation: what counts as uncertain
-NO_SLOPE = 1e-9  # N: a standard deviation that is rounding
+CORRELATION_RANK_TOLERANCE = 1e-12  # of the correlation: what counts as uncertain
+MIN_SLOPE_STD = 1e-9  # N: a standard deviation that is rounding
 
 
 @dataclass(frozen=True)
@@ -97,7 +97,7 @@ def _root(numbers: bytes, size: int) -> Array:
         found = deviations[:, None] * np.linalg.cholesky(correlation + np.diag(deviations == 0))
     except np.linalg.LinAlgError:
         values, vectors = np.linalg.eigh(correlation)
-        kept = values > RANK * max(1.0, float(values.max(initial=0.0)))
+        kept = values > CORRELATION_RANK_TOLERANCE * max(1.0, float(values.max(initial=0.0)))
         found = np.asarray(units[:, None] * vectors[:, kept] * np.sqrt(values[kept]))
     found.setflags(write=False)
     return found
@@ -113,7 +113,7 @@ def _slopes(mix: Array, partials: Array, covariance: Array) -> Array:
 
 def _as_cones(rows: CartRows, slopes: Array, confidence: float, share: float) -> CartRows:
     """`(b - a F, share q (D F + d))` in the place of each side that has slopes (k, r, 7), which are D and d."""
-    depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= NO_SLOPE)  # NaN is none of nought
+    depends = ~(np.abs(slopes).max(axis=(1, 2), initial=0.0) <= MIN_SLOPE_STD)  # NaN is none of nought
     which = depends.tobytes(), np.isfinite(rows.low).tobytes(), np.isfinite(rows.high).tobytes()
     sides = _sides(which, (rows.low_names, rows.high_names), confidence, slopes.shape[1])
     n_sides, left, free = len(sides.of), sides.left, sides.free

@@ -21,7 +21,7 @@ from .floor_limit import FloorLimit, FloorRows
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-NAMES = ("skid to the right", "skid to the left")
+SKID_NAMES = ("skid to the right", "skid to the left")
 
 
 @final
@@ -40,4 +40,4 @@ class Skid(FloorLimit):
             raise UsageError(f"skid: {cart.name} has no fixed wheels under one no_lateral_slip; only such a cart skids")
         check_loads(cart)
         mix = np.array([[*(-self.friction * fixed), side] for side in (1.0, -1.0)])
-        return FloorRows(mix, np.full(2, -np.inf), np.zeros(2), NAMES, NAMES)
+        return FloorRows(mix, np.full(2, -np.inf), np.zeros(2), SKID_NAMES, SKID_NAMES)

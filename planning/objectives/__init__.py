@@ -7,7 +7,7 @@ from .least_joint_torque import LeastJointTorque
 from .least_side_force import LeastSideForce
 from .lexicographic import Lexicographic
 from .load_share import LoadShare
-from .nothing import Nothing
+from .no_cost import Nothing
 from .objective import Cost, Objective
 from .smoothness import Smoothness
 from .weighted_wrench import WeightedWrench

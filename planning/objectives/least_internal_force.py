@@ -12,7 +12,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import LARGEST_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from planning.limits.internal_force import HANDLE, departures_along
+from planning.limits.internal_force import HANDLE_AXIS_B, departures_along
 
 from .objective import Cost, Objective
 from .weighted_wrench import WeightedWrench
@@ -23,7 +23,7 @@ class LeastInternalForce(Objective):
     """`weight` per N²."""
 
     weight: float = 1.0
-    axis: tuple[float, float, float] = HANDLE
+    axis: tuple[float, float, float] = HANDLE_AXIS_B
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:

@@ -17,12 +17,12 @@ from planning.limits import LimitRows
 from .objective import Cost, Objective
 from .weighted_wrench import WeightedWrench
 
-SMALLEST = 1e-9  # N, N·m: what a proof takes for kept; a share of a smaller limit would be one of rounding
+MIN_ARM_LIMIT = 1e-9  # N, N·m: what a proof takes for kept; a share of a smaller limit would be one of rounding
 
 
 @dataclass(frozen=True)
 class WorstArm(Objective):
-    """`weight` of the squared share; components without a limit, or with one of `SMALLEST` or less, have none."""
+    """`weight` of the squared share; components without a limit, or with one of `MIN_ARM_LIMIT` or less, have none."""
 
     weight: float
     base: Objective = field(default_factory=WeightedWrench)
@@ -49,7 +49,7 @@ class WorstArm(Objective):
 
 def _shares(arms: Sequence[Arm]) -> LimitRows:
     limits = np.concatenate([arm.wrench_limit for arm in arms])
-    limited = np.flatnonzero(np.isfinite(limits) & (limits > SMALLEST))
+    limited = np.flatnonzero(np.isfinite(limits) & (limits > MIN_ARM_LIMIT))
     if not len(limited):
         raise UsageError(f"worst arm: none of {[arm.name for arm in arms]} has a force or moment limit to share")
     shares = np.zeros((len(limited), len(limits) + 1))

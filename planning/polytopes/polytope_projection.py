@@ -20,7 +20,7 @@ from cartgrasp.frames import Array
 
 from .wrench_polytope import WrenchPolytope
 
-THIN = 1e-7
+MIN_WIDTH_RATIO = 1e-7
 """Widths below this part of the shadow's largest are flat, and facets this near are proven."""
 
 Support = Callable[[Array], Array]
@@ -58,7 +58,7 @@ def _simplex(support: Support, dimension: int) -> tuple[Array, Array]:
         far, near = support(normal), support(-normal)
         points += [far, near]
         scale = max(1.0, float(np.abs(points).max()))
-        if normal @ (far - near) <= THIN * scale:
+        if normal @ (far - near) <= MIN_WIDTH_RATIO * scale:
             flat = np.column_stack([flat, normal])
             continue
         outer = far if abs(normal @ (far - points[0])) > abs(normal @ (near - points[0])) else near
@@ -80,8 +80,8 @@ def _grown(support: Support, points: Array) -> Array:
         facets = {tuple(np.round(facet[:-1], 9)): facet for facet in hull.equations}
         for normal in facets.keys() - proven:
             found = support(facets[normal][:-1])
-            outside = facets[normal][:-1] @ found + facets[normal][-1] > THIN
-            if outside and np.linalg.norm(points - found, axis=1).min() > THIN:
+            outside = facets[normal][:-1] @ found + facets[normal][-1] > MIN_WIDTH_RATIO
+            if outside and np.linalg.norm(points - found, axis=1).min() > MIN_WIDTH_RATIO:
                 points = np.vstack([points, found])
             else:
                 proven.add(normal)

@@ -22,7 +22,7 @@ from cartgrasp.frames import Array
 from ..limits import limits_of
 from .linear_program import maximizer
 
-PRICED = 1e-9
+MIN_PRICE_RATIO = 1e-9
 """Share of the largest price (dual value) below which a limit only touches and doesn't bind."""
 
 
@@ -59,7 +59,7 @@ class WrenchPolytope:
         """max direction · F over the polytope: the other components may be whatever helps. Solved by HiGHS."""
         towards = _checked(direction)
         wrench, prices = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
-        binding = prices > PRICED * prices.max()
+        binding = prices > MIN_PRICE_RATIO * prices.max()
         return Farthest(float(towards @ wrench), wrench, tuple(compress(self.names, binding)))
 
     def __repr__(self) -> str:

@@ -9,9 +9,9 @@ from pydantic import AfterValidator, Field
 from cartgrasp.checks import LARGEST_NUMBER
 from cartgrasp.yaml_file import StrictModel
 
-from ..contacts.switching_cost import LARGEST_COST
+from ..contacts.switching_cost import MAX_SWITCHING_COST
 
-WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
+DEFAULT_WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
 
 
 def _limit(value: float) -> float:
@@ -33,8 +33,8 @@ def _positive(value: float) -> float:
 
 
 def _switching_cost(value: float) -> float:
-    if value > LARGEST_COST:
-        raise ValueError(f"{value:g} is beyond {LARGEST_COST:g}")
+    if value > MAX_SWITCHING_COST:
+        raise ValueError(f"{value:g} is beyond {MAX_SWITCHING_COST:g}")
     return _not_negative(value)
 
 
@@ -114,7 +114,7 @@ class ArmEntry(StrictModel):
     limits: LimitsEntry = LimitsEntry()
     friction: FrictionEntry | None = None
     soft_finger: SoftFingerEntry | None = None
-    weights: list[NotNegative] = Field(default_factory=lambda: [*WEIGHTS], min_length=6, max_length=6)
+    weights: list[NotNegative] = Field(default_factory=lambda: [*DEFAULT_WEIGHTS], min_length=6, max_length=6)
     push_only: bool = False
     payload: LimitValue | None = None
     rate: RateEntry | None = None

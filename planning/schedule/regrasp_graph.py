@@ -18,9 +18,9 @@ from numpy.typing import NDArray
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .stage_efforts import AWAY
+from .stage_efforts import NO_CONTACT
 
-LARGEST = 5_000_000
+MAX_JOINT_OPTIONS = 5_000_000
 Indices = NDArray[np.intp]
 
 
@@ -47,7 +47,7 @@ class RegraspGraph:
     def of(cls, counts: Sequence[int], stages: int) -> RegraspGraph:
         each = [_options(count, stages) for count in counts]
         size = np.prod([len(options.before) for options in each], dtype=float)
-        if size > LARGEST:
+        if size > MAX_JOINT_OPTIONS:
             raise UsageError(f"schedule: {size:.0f} joint options a stage are too many; fewer contacts, longer stages")
         sizes = [(count * max(1, stages), count + 1) for count in counts]
         joint, _ = reduce(_product, zip(each[1:], sizes[1:], strict=True), (each[0], sizes[0]))
@@ -120,13 +120,15 @@ def _options(count: int, stages: int) -> Options:
     """The options of one arm with `count` candidates, for regrasps that take `stages` stages."""
     levels = max(1, stages)
     rows = [(grip * levels, grip * levels, grip, 0) for grip in range(count)]
-    rows += [(grip * levels + j, grip * levels + j - 1, AWAY, 0) for grip in range(count) for j in range(1, levels)]
+    rows += [
+        (grip * levels + j, grip * levels + j - 1, NO_CONTACT, 0) for grip in range(count) for j in range(1, levels)
+    ]
     for grip in range(count):
         for other in range(count):
             if other != grip:
-                rows.append((grip * levels, other * levels + levels - 1, AWAY if stages else other, 1))
+                rows.append((grip * levels, other * levels + levels - 1, NO_CONTACT if stages else other, 1))
     before, after, held, regrasps = np.array(rows).T
-    return Options(before, after, held - AWAY, regrasps)
+    return Options(before, after, held - NO_CONTACT, regrasps)
 
 
 Sized = tuple[Options, tuple[int, int]]

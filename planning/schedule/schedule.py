@@ -26,7 +26,7 @@ from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
 from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
 from .regrasp_graph import Indices, RegraspGraph
 from .regrasps import BlockedStage, Grip, Horizon, Regrasp, RegraspCost, Schedule
-from .stage_efforts import AWAY, StageEfforts, candidate_points, stage_efforts, why_not
+from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts, why_not
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -34,9 +34,9 @@ if TYPE_CHECKING:
 
 __all__ = ["BlockedStage", "Grip", "Horizon", "Regrasp", "RegraspCost", "Schedule", "plan_schedule", "wanted_wrench"]
 
-EQUAL = 1e-12
+EQUAL_COST_RATIO = 1e-12
 """Relative difference of totals that counts as none."""
-DEFAULT_COST, WHOLE = RegraspCost(), Horizon()
+DEFAULT_COST, WHOLE_REFERENCE = RegraspCost(), Horizon()
 
 
 def plan_schedule(
@@ -44,7 +44,7 @@ def plan_schedule(
     cart: CartModel,
     arms: Sequence[Arm],
     cost: RegraspCost = DEFAULT_COST,
-    horizon: Horizon = WHOLE,
+    horizon: Horizon = WHOLE_REFERENCE,
 ) -> Schedule:
     """The least effort from now to the reference's end, over every way to hold and to regrasp the arms' points. Stages
     last seconds, so rates of the arms don't count."""
@@ -60,7 +60,7 @@ def plan_schedule(
         status = INFEASIBLE if np.isinf(bound) else NUMERICAL
         blocked = problem.blocked(efforts, starts, horizon.min_hand_distance)
         return Schedule(status, times, bound=bound, solved=efforts.solved, blocked=blocked)
-    equal = starts[values[0, starts] <= least * (1.0 + EQUAL)]
+    equal = starts[values[0, starts] <= least * (1.0 + EQUAL_COST_RATIO)]
     paths = [graph.best_path(length * efforts.efforts, cost.effort, values, int(start)) for start in equal]
     path = min(paths, key=lambda path: int(graph.options.regrasps[path].sum()))
     choices = graph.options.choice[path]
@@ -68,7 +68,7 @@ def plan_schedule(
         status=OPTIMAL,
         times=times,
         contacts=problem.contacts(path),
-        holds={name: efforts.grips[choices, i] != AWAY for i, name in enumerate(problem.points)},
+        holds={name: efforts.grips[choices, i] != NO_CONTACT for i, name in enumerate(problem.points)},
         efforts=efforts.efforts[np.arange(len(choices)), choices],
         regrasps=problem.regrasps(path),
         total=least,

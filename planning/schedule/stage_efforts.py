@@ -1,6 +1,6 @@
 """What each stage of a horizon costs with each choice of grips: one certified QP for each, or the reason why not.
 
-A grip says which candidate of an arm holds, or `AWAY`: the arm is on its way to another and gives no wrench. The
+A grip says which candidate of an arm holds, or `NO_CONTACT`: the arm is on its way to another and gives no wrench. The
 programs of one choice of grips differ in the wrench alone, so each choice keeps one warm planner.
 """
 
@@ -23,7 +23,7 @@ from ..quadratic_program import EQUALITY_TOLERANCE, INFEASIBLE, OPTIMAL
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
 
-AWAY = -1
+NO_CONTACT = -1
 
 
 @dataclass(frozen=True, eq=False)
@@ -42,7 +42,7 @@ def stage_efforts(
 ) -> StageEfforts:
     """For planar wrenches (stages, 3) in {b}, and every choice of grips of all arms."""
     points = candidate_points(arms)
-    choices = [range(AWAY, len(candidates)) for candidates in points.values()]
+    choices = [range(NO_CONTACT, len(candidates)) for candidates in points.values()]
     grips = np.array(list(product(*choices)))
     asked, stage = np.unique(wrenches, axis=0, return_inverse=True)
     table = [_efforts(cart, arms, _held(points, row), (asked, min_hand_distance)) for row in grips]
@@ -66,7 +66,7 @@ def why_not(cart: CartModel, arms: Sequence[Arm], wrench_b: Array, min_hand_dist
 
 def _held(points: Mapping[str, Array], grips: Array) -> dict[str, Array]:
     pairs = zip(points.items(), grips, strict=True)
-    return {name: candidates[grip] for (name, candidates), grip in pairs if grip != AWAY}
+    return {name: candidates[grip] for (name, candidates), grip in pairs if grip != NO_CONTACT}
 
 
 def _efforts(

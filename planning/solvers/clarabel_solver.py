@@ -10,9 +10,9 @@ from planning.quadratic_program import INFEASIBLE, NUMERICAL, QPSolution, Quadra
 
 from .one_sided import OneSided
 
-TOLERANCE = 1e-12
-DIVERGED = 1e50  # what is larger overflows in a proof
-USABLE = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")
+CLARABEL_TOLERANCE = 1e-12
+MAX_SOLUTION = 1e50  # what is larger overflows in a proof
+USABLE_STATUSES = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")
 
 
 def solve(program: QuadraticProgram) -> QPSolution:
@@ -28,11 +28,11 @@ def solve(program: QuadraticProgram) -> QPSolution:
         hessian, program.gradient, matrix, np.concatenate(values), kinds, _settings()
     ).solve()
     status = str(found.status)
-    if status not in USABLE:
+    if status not in USABLE_STATUSES:
         claimed = INFEASIBLE if "PrimalInfeasible" in status else NUMERICAL
         return QPSolution.failed(program, claimed, "clarabel", f"Clarabel ended with {status}")
     x = np.asarray(found.x)
-    if not max(np.abs(x).max(initial=0.0), np.abs(found.z).max(initial=0.0)) <= DIVERGED:
+    if not max(np.abs(x).max(initial=0.0), np.abs(found.z).max(initial=0.0)) <= MAX_SOLUTION:
         return QPSolution.failed(program, NUMERICAL, "clarabel", "Clarabel diverged")
     of_equal, of_rest, *z = np.split(np.asarray(found.z), np.cumsum([len(v) for v in values])[:-1])
     y = sides.multipliers(of_equal, of_rest, len(program.upper))
@@ -43,6 +43,6 @@ def _settings() -> clarabel.DefaultSettings:
     settings = clarabel.DefaultSettings()
     settings.verbose = False
     settings.max_threads = 1
-    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = TOLERANCE
+    settings.tol_gap_abs = settings.tol_gap_rel = settings.tol_feas = CLARABEL_TOLERANCE
     settings.tol_ktratio = 1e-10
     return settings

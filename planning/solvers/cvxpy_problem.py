@@ -16,7 +16,7 @@ from planning.quadratic_program import NUMERICAL, QPSolution, QuadraticProgram
 
 from .one_sided import Places
 
-SETTINGS: dict[str, dict[str, Any]] = {
+CVXPY_SETTINGS: dict[str, dict[str, Any]] = {
     "CLARABEL": {"tol_gap_abs": 1e-10, "tol_gap_rel": 1e-10, "tol_feas": 1e-10},
     "ECOS": {"abstol": 1e-10, "reltol": 1e-10, "feastol": 1e-10},
     "SCS": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iters": 20_000},
@@ -73,7 +73,7 @@ def solve(program: QuadraticProgram, name: str) -> QPSolution:
     try:
         with warnings.catch_warnings():  # of what is inaccurate, which the proof tells
             warnings.simplefilter("ignore")
-            posed.problem.solve(solver=name.upper(), **SETTINGS.get(name.upper(), {}))
+            posed.problem.solve(solver=name.upper(), **CVXPY_SETTINGS.get(name.upper(), {}))
     except (cvxpy.error.SolverError, ValueError, ArithmeticError) as error:
         return QPSolution.failed(program, NUMERICAL, name, f"{name} refused the problem ({error})")
     if posed.problem.status not in (cvxpy.OPTIMAL, cvxpy.OPTIMAL_INACCURATE):

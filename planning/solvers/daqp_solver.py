@@ -10,7 +10,7 @@ from planning.quadratic_program import INFEASIBLE, NUMERICAL, QPSolution, Quadra
 EQUALITY_SENSE = 5
 INFEASIBLE_FLAG = -1
 OVERDETERMINED_FLAG = -6
-SETTINGS = {"primal_tol": 1e-10}
+DAQP_SETTINGS = {"primal_tol": 1e-10}
 
 
 class DaqpSolver:
@@ -37,7 +37,7 @@ class DaqpSolver:
         last, self._last = self._last, program
         if last is None or last.rows.shape != program.rows.shape or last.n_equalities != program.n_equalities:
             self._model = daqp.Model()
-            self._model.settings = SETTINGS
+            self._model.settings = DAQP_SETTINGS
             sense = np.where(program.sense, EQUALITY_SENSE, 0).astype(np.int32)
             matrices = (program.hessian, program.gradient, program.rows)
             return int(self._model.setup(*matrices, program.upper, program.lower, sense)[0])

@@ -19,8 +19,8 @@ from planning.quadratic_program import NUMERICAL, QPSolution, QuadraticProgram
 
 from .one_sided import OneSided
 
-DIVERGED = 1e50  # what is larger overflows in a proof
-SETTINGS: dict[str, dict[str, Any]] = {
+MAX_MAGNITUDE = 1e50  # what is larger overflows in a proof
+QPSOLVERS_SETTINGS: dict[str, dict[str, Any]] = {
     "clarabel": {"tol_gap_abs": 1e-12, "tol_gap_rel": 1e-12, "tol_feas": 1e-12},
     "daqp": {"primal_tol": 1e-10},
     "highs": {
@@ -35,7 +35,7 @@ SETTINGS: dict[str, dict[str, Any]] = {
     "scs": {"eps_abs": 1e-9, "eps_rel": 1e-9, "max_iters": 20_000},
 }
 """Nearer than they come by themselves: a polish needs the active limits."""
-FOREIGN = (QPError, ValueError, RuntimeError, ArithmeticError)
+SOLVER_ERRORS = (QPError, ValueError, RuntimeError, ArithmeticError)
 """What solvers raise where they fail."""
 
 
@@ -72,8 +72,8 @@ class NamedSolver:
         try:
             with warnings.catch_warnings():  # they say on stderr what the status says
                 warnings.simplefilter("ignore")
-                found = qpsolvers.solve_problem(problem, solver=self.name, **SETTINGS.get(self.name, {}))
-        except FOREIGN as error:
+                found = qpsolvers.solve_problem(problem, solver=self.name, **QPSOLVERS_SETTINGS.get(self.name, {}))
+        except SOLVER_ERRORS as error:
             return QPSolution.failed(program, NUMERICAL, self.name, f"{self.name} refused the problem ({error})")
         sizes = program.n, len(sides.b), len(sides.h)
         parts = [found.x, found.y if len(sides.b) else (), found.z if len(sides.h) else ()]
@@ -86,4 +86,4 @@ class NamedSolver:
 
 def _is_answer(part: Any, size: int) -> bool:
     """Whether it is that many numbers, none of which would overflow in a proof."""
-    return part is not None and np.shape(part) == (size,) and bool(np.abs(part).max(initial=0.0) <= DIVERGED)
+    return part is not None and np.shape(part) == (size,) and bool(np.abs(part).max(initial=0.0) <= MAX_MAGNITUDE)

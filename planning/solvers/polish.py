@@ -14,8 +14,8 @@ import numpy as np
 from cartgrasp.frames import Array
 from planning.quadratic_program import OPTIMAL, Cone, QPSolution, QuadraticProgram
 
-STEPS, ROUNDS = 4, 10
-ROUNDING = 1e-12  # of the largest value
+CONE_STEPS, MAX_ROUNDS = 4, 10
+POLISH_TOLERANCE = 1e-12  # of the largest value
 
 
 @dataclass
@@ -46,7 +46,7 @@ def polish(program: QuadraticProgram, solution: QPSolution) -> QPSolution:
     """Where the rows that look active don't lead to an answer that verifies, those that pull the wrong way are left
     out, those that are broken are held, and so on: a primal-dual active set method (Hintermüller and others, 2002)."""
     active, target = _active_rows(program, solution)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_ROUNDS):
         found = _settled(program, solution, active, target)
         if found.status == OPTIMAL or program.cones or not np.isfinite(found.x).all():
             return found
@@ -62,7 +62,7 @@ def _settled(program: QuadraticProgram, solution: QPSolution, active: Array, tar
     cones = _active_cones(program, solution)
     rows, held = program.stacked[program.n :][active], target[active]
     dual = y[active].copy()
-    for _ in range(STEPS if cones else 2):
+    for _ in range(CONE_STEPS if cones else 2):
         step, dual_step = _newton_step(program, (x, dual), (rows, held), list(cones.values()))
         x, start = x + step, len(dual)
         dual = dual + dual_step[:start]
@@ -108,7 +108,7 @@ def _active_rows(program: QuadraticProgram, solution: QPSolution) -> tuple[Array
 
 def _corrected(program: QuadraticProgram, found: QPSolution, active: Array, target: Array) -> tuple[Array, Array]:
     y, values = found.multipliers, program.stacked[program.n :] @ found.x
-    room = ROUNDING * max(1.0, float(np.abs(values).max(initial=0.0)))
+    room = POLISH_TOLERANCE * max(1.0, float(np.abs(values).max(initial=0.0)))
     fixed = program.sense | (program.lower == program.upper)
     above, below = values > program.upper + room, values < program.lower - room
     pulls = np.where(target == program.upper, y >= 0, y <= 0)

@@ -15,15 +15,15 @@ from planning.quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from .clarabel_solver import solve
 from .polish import polish
 
-STEPS = 5
-SHARE = 1e-4  # of the largest curvature, at least 1
+PROXIMAL_STEPS = 5
+PROXIMAL_WEIGHT_RATIO = 1e-4  # of the largest curvature, at least 1
 
 
 def solve_by_steps(program: QuadraticProgram, solution: QPSolution) -> QPSolution:
     """From what a solver came to; that again where no step ends in an answer that verifies."""
     x = solution.x
-    added = SHARE * max(1.0, float(np.abs(program.hessian).max(initial=0.0)))
-    for _ in range(STEPS):
+    added = PROXIMAL_WEIGHT_RATIO * max(1.0, float(np.abs(program.hessian).max(initial=0.0)))
+    for _ in range(PROXIMAL_STEPS):
         curved = program.hessian + added * np.eye(program.n)
         step = solve(replace(program, hessian=curved, gradient=program.gradient - added * x))
         if not np.isfinite(step.residuals.equality):

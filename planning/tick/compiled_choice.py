@@ -15,15 +15,15 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from ..contacts.contact_bounds import TABLE_SIZE, Candidates
+from ..contacts.contact_bounds import MAX_TABLE_CHOICES, Candidates
 from ..contacts.contact_cases import GAP_TOLERANCE
 from ..contacts.contact_choice import Choice, SearchLimit
 from ..contacts.switching_cost import Switching
 from ..objectives import Cost
 from .compiled_allocation import CompiledAllocation, Point, Progress, Tables
 
-SLICE = 16  # programs between two looks at the clock
-NONE = np.zeros(0)
+PROGRAMS_PER_CLOCK_CHECK = 16  # programs between two looks at the clock
+NO_NUMBERS = np.zeros(0)
 
 
 @dataclass(eq=False)
@@ -37,17 +37,17 @@ class CompiledChoice:
     _progress: Progress
     last: int = -1
     _switching: Switching | None = None
-    _shown: tuple[int, Array] = (-1, NONE)
+    _shown: tuple[int, Array] = (-1, NO_NUMBERS)
 
     @classmethod
     def of(cls, candidates: Candidates, allocation: CompiledAllocation) -> Self | None:
         """None where candidates aren't single points, or too many."""
-        if candidates.has_segments or candidates.count > TABLE_SIZE:
+        if candidates.has_segments or candidates.count > MAX_TABLE_CHOICES:
             return None
         allowed = np.where(candidates.allowed((), range(candidates.n_arms)), -np.inf, np.inf).ravel()
         n, points = 6 * candidates.n_arms, candidates.vertices
         starts, weights = np.array(candidates.starts, dtype=np.int64), np.zeros(n)
-        tables = (points, starts, weights, NONE, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
+        tables = (points, starts, weights, NO_NUMBERS, np.zeros((4, n)), np.zeros(len(points)), np.zeros(len(allowed)))
         return cls(candidates, allocation, allowed, tables, (np.zeros(2), np.zeros(3, np.int64)))
 
     def run(self, wrench: Point, cost: Cost, limit: SearchLimit, switching: Switching | None = None) -> Choice | None:
@@ -72,7 +72,7 @@ class CompiledChoice:
         return Choice(contacts, best, bound, solved, solved < limit.solves, paid)
 
     def _take(self, switching: Switching | None) -> None:
-        charges = NONE if switching is None else switching.charges
+        charges = NO_NUMBERS if switching is None else switching.charges
         self._switching, self._tables = switching, (*self._tables[:3], charges, *self._tables[4:])
 
     def _search(self, wrench: Point, limit: SearchLimit) -> bool:
@@ -80,7 +80,7 @@ class CompiledChoice:
         if limit.seconds is None:
             return self._allocation.search(wrench, self._tables, self._progress, (most, gap))
         while True:
-            up_to = min(most, int(self._progress[1][2]) + SLICE)
+            up_to = min(most, int(self._progress[1][2]) + PROGRAMS_PER_CLOCK_CHECK)
             if not self._allocation.search(wrench, self._tables, self._progress, (up_to, gap)):
                 return False
             if self._progress[1][2] < up_to or up_to == most or time.perf_counter() - start > limit.seconds:

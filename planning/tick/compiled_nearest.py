@@ -1,5 +1,5 @@
-"""The nearest to a wrench that can't be given, by compiled calls: `minimise ½ ‖t‖² + ½ PROXIMAL ‖F - F'‖²`, such that
-`Sᵀ sum G_i F_i + t = Sᵀ wrench_b` and F is within the limits.
+"""The nearest to a wrench that can't be given, by compiled calls: `minimise ½ ‖t‖² + ½ PROXIMAL_WEIGHT ‖F - F'‖²`,
+such that `Sᵀ sum G_i F_i + t = Sᵀ wrench_b` and F is within the limits.
 
 F' are the wrenches of the call before. So each program is strictly convex, and kernels of allocations take it; what is
 missing, t, soon is that of `allocation/projection.py` (the proximal point method; Rockafellar, 1976).
@@ -23,9 +23,9 @@ from ..quadratic_program import INFEASIBLE
 from . import compiled_allocation
 from .compiled_allocation import SOLVER, Point
 
-PROXIMAL, MOST_STEPS, SETTLED = 1e-4, 10, 1e-9
+PROXIMAL_WEIGHT, MAX_PROXIMAL_STEPS, CONVERGENCE_TOLERANCE = 1e-4, 10, 1e-9
 """Curvature about the wrenches before; most steps; and the change of what is missing, as a share, that ends them."""
-ROOM = 1e-7
+SLACK_MARGIN_RATIO = 1e-7
 """Share of what is missing that is left out besides: rounding at the edge of what can be given is not to matter."""
 
 
@@ -47,23 +47,23 @@ def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple
     n, k = template.n, template.basis_b.shape[1]
     program = template.program(template.contact_rows(points), np.zeros(k), template.cost(np.zeros(n)))
     program = projection_program(program, template.slack_map(False))
-    program = replace(program, hessian=program.hessian + PROXIMAL * np.diag(np.repeat([1.0, 0.0], [n, k])))
+    program = replace(program, hessian=program.hessian + PROXIMAL_WEIGHT * np.diag(np.repeat([1.0, 0.0], [n, k])))
     floats, ints = Sizes(n + k, len(program.lower), k, free=k).allocate()
     workspace = views(floats, ints)
     workspace.basis[:] = template.basis_b
     load(workspace, program)
     load_spans(workspace, program.stacked[program.n :] != 0)
     found, before = workspace.claim.x, np.full(k, np.inf)
-    for _ in range(MOST_STEPS):
+    for _ in range(MAX_PROXIMAL_STEPS):
         status = allocate(floats, ints, wrench, False)
         if status != compiled_allocation.OPTIMAL:
             return FORBIDDEN if status == compiled_allocation.INFEASIBLE else UNPROVEN
         missing = found[n:].copy()
-        if np.abs(missing - before).max() <= SETTLED * max(1.0, np.abs(missing).max()):
+        if np.abs(missing - before).max() <= CONVERGENCE_TOLERANCE * max(1.0, np.abs(missing).max()):
             break
         before = missing
-        load_gradient(workspace, np.concatenate([-PROXIMAL * found[:n], np.zeros(k)]), 0.0)
-    return found[:n].copy(), (1.0 + ROOM) * missing
+        load_gradient(workspace, np.concatenate([-PROXIMAL_WEIGHT * found[:n], np.zeros(k)]), 0.0)
+    return found[:n].copy(), (1.0 + SLACK_MARGIN_RATIO) * missing
 
 
 def left_open(near: Near, relax: float, explain: Callable[[], Plan], start: float) -> Plan:

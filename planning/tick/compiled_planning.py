@@ -35,7 +35,7 @@ from .tangents import Tangents, values_of
 from .terms import Terms
 
 N_RESIDUALS = len(Residuals._fields)
-MOST_TURNS = 12
+MAX_TANGENT_UPDATES = 12
 """Most programs in which half-spaces are turned until the cones hold."""
 
 
@@ -87,7 +87,7 @@ class CompiledPlanning:
     def nearest(self, wrench: Point, cost: Cost, start: float) -> Near:
         """The plan of the nearest, where `at` found that a wrench can't be given, and how far it is."""
         points, basis_b = self._asked_at, self._terms.template.basis_b
-        for _ in range(MOST_TURNS):
+        for _ in range(MAX_TANGENT_UPDATES):
             found = nearest(self._posed(), points, wrench)
             if isinstance(found, str):
                 return found
@@ -103,7 +103,7 @@ class CompiledPlanning:
 
     def _solves(self, wrench: Point, points: Array, cost: Cost) -> bool:
         """Whether the allocation then has the proven optimum, at which the cones hold."""
-        for _ in range(MOST_TURNS):
+        for _ in range(MAX_TANGENT_UPDATES):
             self._allocation.take(self._posed(), cost)
             if not self._allocation.solve(wrench, points):
                 return False

@@ -11,7 +11,7 @@ from numpy.typing import ArrayLike
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from ..contacts.switching_cost import SAME_PLACE
+from ..contacts.switching_cost import SAME_CONTACT_DISTANCE
 from .plan_inputs import RefusedError, read_contacts, read_start
 
 
@@ -59,5 +59,5 @@ class LastPlan(NamedTuple):
         """Which of the arms hold elsewhere at the contacts (n, 3); none of those that held nothing."""
         if contacts is self.contacts:
             return ()
-        moving = np.flatnonzero((np.abs(contacts - self.contacts) > SAME_PLACE).any(axis=1))
+        moving = np.flatnonzero((np.abs(contacts - self.contacts) > SAME_CONTACT_DISTANCE).any(axis=1))
         return tuple(names[i] for i in moving.tolist())

@@ -15,9 +15,9 @@ from cartgrasp.frames import Array
 
 from ..plan import INVALID_INPUT
 
-LARGEST_WRENCH = 1e6  # N, N·m; projections of what is farther from what arms give lose it in rounding
-FLOAT = np.dtype(float)
-REAL = "fiubO"  # kinds of numpy arrays that hold real numbers: no text, dates or complex numbers
+MAX_WRENCH = 1e6  # N, N·m; projections of what is farther from what arms give lose it in rounding
+FLOAT_DTYPE = np.dtype(float)
+REAL_KINDS = "fiubO"  # kinds of numpy arrays that hold real numbers: no text, dates or complex numbers
 
 
 class RefusedError(CartgraspError):
@@ -30,7 +30,7 @@ class RefusedError(CartgraspError):
 
 def read_wrench(wrench: Any) -> tuple[float, float, float]:
     """(fx, fy, tau) in {b}."""
-    return _read(wrench, "wrench", "(fx, fy, tau) in {b}", LARGEST_WRENCH)
+    return _read(wrench, "wrench", "(fx, fy, tau) in {b}", MAX_WRENCH)
 
 
 def read_beside(beside: Any) -> Array | None:
@@ -40,8 +40,8 @@ def read_beside(beside: Any) -> Array | None:
     if not isinstance(beside, ContactWrenches):
         raise RefusedError(INVALID_INPUT, f"beside: {shown(beside)} is not what arms give; write ContactWrenches(…)")
     wrench_b = beside.spatial_wrench_b
-    if not (np.abs(wrench_b) <= LARGEST_WRENCH).all():
-        raise RefusedError(INVALID_INPUT, f"beside: {wrench_b.tolist()} is not finite, or beyond {LARGEST_WRENCH:g}")
+    if not (np.abs(wrench_b) <= MAX_WRENCH).all():
+        raise RefusedError(INVALID_INPUT, f"beside: {wrench_b.tolist()} is not finite, or beyond {MAX_WRENCH:g}")
     return wrench_b
 
 
@@ -81,18 +81,18 @@ def read_start(wrenches: Mapping[str, Any], names: Sequence[str]) -> Array:
     rows = [real_numbers(given.get(name, np.zeros(6))) for name in names]
     if set(given) <= set(names) and all(row is not None and row.shape == (6,) for row in rows):
         last = np.concatenate([row for row in rows if row is not None])
-        if (np.abs(last) <= LARGEST_WRENCH).all():
+        if (np.abs(last) <= MAX_WRENCH).all():
             return last
-    raise UsageError(f"start_from: {wrenches} are not wrenches (6,) within {LARGEST_WRENCH:g} of {', '.join(names)}")
+    raise UsageError(f"start_from: {wrenches} are not wrenches (6,) within {MAX_WRENCH:g} of {', '.join(names)}")
 
 
 def real_numbers(value: Any) -> Array | None:
     """As floats; None where they are none."""
     try:
         numbers = np.asarray(value)
-        if numbers.dtype is FLOAT:
+        if numbers.dtype is FLOAT_DTYPE:
             return numbers
-        return numbers.astype(float) if numbers.dtype.kind in REAL else None
+        return numbers.astype(float) if numbers.dtype.kind in REAL_KINDS else None
     except (TypeError, ValueError, OverflowError):
         return None
 

@@ -16,8 +16,8 @@ from ..contacts.contact_bounds import Candidates
 from ..contacts.contact_cases import CaseSolver, Question
 from ..contacts.contact_choice import ContactSearch, SearchLimit
 
-ASIDE = 0.5  # m, to either side along {b}'s y
-SEARCH = SearchLimit(solves=40)
+CONTACT_SEARCH_HALF_WIDTH = 0.5  # m, to either side along {b}'s y
+REMEDY_SEARCH = SearchLimit(solves=40)
 
 
 def find_remedy(
@@ -29,7 +29,7 @@ def find_remedy(
     tries = [] if own is None else [own]
     tries += [_aside(solver.template.arms, points, i, distance) for i in range(len(names))]
     for candidates in tries:
-        found = ContactSearch(candidates, solver, question, SEARCH).run().contacts
+        found = ContactSearch(candidates, solver, question, REMEDY_SEARCH).run().contacts
         if found is not None:
             moved = np.linalg.norm(found - points, axis=1) > 1e-9
             return {name: found[i] for i, name in enumerate(names) if moved[i]}
@@ -54,7 +54,10 @@ def _aside(arms: Sequence[Arm], held: Array, index: int, distance: float) -> Can
     """One hand anywhere to either side that is in its reach, the others where they are."""
     sets = [ContactSet(((x, y, z),)) for x, y, z in held.tolist()]
     x, y, z = held[index].tolist()
-    low, high = max(y - ASIDE, -LARGEST_POSITION), min(y + ASIDE, LARGEST_POSITION)
+    low, high = (
+        max(y - CONTACT_SEARCH_HALF_WIDTH, -LARGEST_POSITION),
+        min(y + CONTACT_SEARCH_HALF_WIDTH, LARGEST_POSITION),
+    )
     aside = ContactSet(segments=(Segment((x, low, z), (x, high, z)),))
     reach = arms[index].reach
     left = aside if reach is None else reach.clip(aside)

@@ -22,9 +22,9 @@ from ..quadratic_program import INFEASIBLE, OPTIMAL
 from .last_plan import LastPlan
 from .tick_state import TickState
 
-SHARES = (1.0, 0.75, 0.5, 0.25)
-AS_BELIEVED, BEYOND = "within its limits as it is believed to be", "beyond its limits"
-GENTLY = 0.25
+MARGIN_FRACTIONS = (1.0, 0.75, 0.5, 0.25)
+WITHIN_BELIEVED_LIMITS, BEYOND_LIMITS = "within its limits as it is believed to be", "beyond its limits"
+GENTLE_RATE_RATIO = 0.25
 """A share of the usual rate at which velocities fade: what limits have to leave."""
 Stop = Callable[[float], ArrayLike]
 """The wrench (3,) under which the cart's velocities fade at a share of the usual rate; at rest that is none."""
@@ -44,7 +44,7 @@ class Stopping(NamedTuple):
         """In the place of a plan that does not give what was asked, (3,)."""
         after = self.now.last
         try:
-            gentle = self._kept(None, self.stop(GENTLY)).cart_wrench
+            gentle = self._kept(None, self.stop(GENTLE_RATE_RATIO)).cart_wrench
             share = self._whole if gentle is None else self._largest_share(gentle)[0]
             if share == self._whole:
                 self.now.go_back_to(after)
@@ -72,13 +72,13 @@ class Stopping(NamedTuple):
             share, within = share_of_gentle, self._kept(share_of_gentle, gentle, exact=True)
         if share is None:
             self.now.go_back_to(free)
-            return {"held": found.contact_wrenches, "stops": f"stops the cart {BEYOND}"}
-        words = f"within {100 * share:g} % of its margins" if share else AS_BELIEVED
+            return {"held": found.contact_wrenches, "stops": f"stops the cart {BEYOND_LIMITS}"}
+        words = f"within {100 * share:g} % of its margins" if share else WITHIN_BELIEVED_LIMITS
         return {"held": within.contact_wrenches, "stops": f"stops the cart {words}"}
 
     @property
     def _whole(self) -> float:
-        return SHARES[0] if self.now.terms.has_margins else 0.0
+        return MARGIN_FRACTIONS[0] if self.now.terms.has_margins else 0.0
 
     def _kept(self, share: float | None, wanted: ArrayLike, exact: bool = False) -> Plan:
         self.now.go_back_to(self.before)
@@ -88,7 +88,7 @@ class Stopping(NamedTuple):
     def _largest_share(self, wanted: ArrayLike) -> tuple[float | None, Plan]:
         """How much of the margins lets a wrench (3,) be given, with its plan, which was planned last; None where the
         limits forbid it."""
-        shares = (*SHARES, 0.0) if self.now.terms.has_margins else (0.0,)
+        shares = (*MARGIN_FRACTIONS, 0.0) if self.now.terms.has_margins else (0.0,)
         first = max(0, shares.index(self.share) - 1) if self.share in shares else 0
         share, within = self._first_of(shares[first : first + 2], wanted)
         others = shares[first + 2 :]

@@ -17,7 +17,7 @@ from cartgrasp.frames import Array
 from ..limits import CartRows
 from ..quadratic_program import EQUALITY_TOLERANCE
 
-TINY = 1e-12
+MIN_MARGIN = 1e-12
 """N: a margin without a direction."""
 
 
@@ -87,4 +87,4 @@ def _in_cones(rows: CartRows, values: Array) -> Array:
 
 def _units(directions: Array, lengths: Array) -> Array:
     """Rows (c, j) of such lengths (c,) as unit rows, 0 where there is none."""
-    return directions * np.divide(1.0, lengths, out=np.zeros(len(lengths)), where=lengths > TINY)[:, None]
+    return directions * np.divide(1.0, lengths, out=np.zeros(len(lengths)), where=lengths > MIN_MARGIN)[:, None]

@@ -29,13 +29,13 @@ from ..limits.robust import RobustLimits
 from ..objectives import Cost, Objective
 from ..plan import INVALID_INPUT
 from .estimate_inputs import read_cart, read_covariance
-from .plan_inputs import LARGEST_WRENCH, RefusedError, read_contacts
+from .plan_inputs import MAX_WRENCH, RefusedError, read_contacts
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
 
-ROUNDING = 1e-9  # of the largest component, at least 1 N
+WRENCH_TOLERANCE = 1e-9  # of the largest component, at least 1 N
 
 
 # Many methods: one for each kind of news between two ticks (estimate, arms, postures, last wrench, margins).
@@ -164,8 +164,8 @@ class Terms:
                 rows = self._cart_limits.rows(pushed, covariance, on_floor)
         except (UsageError, np.linalg.LinAlgError) as error:
             raise RefusedError(INVALID_INPUT, f"estimate: {error}") from error
-        if not rows.are_numbers(LARGEST_WRENCH):
-            what = f"by it a limit of the cart is not finite, or beyond {LARGEST_WRENCH:g}"
+        if not rows.are_numbers(MAX_WRENCH):
+            what = f"by it a limit of the cart is not finite, or beyond {MAX_WRENCH:g}"
             raise RefusedError(INVALID_INPUT, f"estimate: {what}; its motion, parameters or covariance can't be true")
         self._pushed, self._on_floor, self._covariance = pushed, on_floor, covariance
         self._believe(estimate)
@@ -231,7 +231,7 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
     reason: at the edge of a friction it would scale them to zero."""
     values = np.concatenate([wrenches, limits.rows @ wrenches])
     low, high = np.concatenate([limits.lower, limits.low_limits]), np.concatenate([limits.upper, limits.limits])
-    rounding = ROUNDING * max(1.0, float(np.abs(wrenches).max(initial=0.0)))
+    rounding = WRENCH_TOLERANCE * max(1.0, float(np.abs(wrenches).max(initial=0.0)))
     beyond = (values > high + rounding) | (values < low - rounding)
     scale = 1.0
     if beyond.any():

@@ -5,7 +5,7 @@
 was to end with a status above 1; `yaml` must be YAML. A comment on the line before a block says otherwise:
 
     <!-- file: NAME -->              the block is written to NAME
-    <!-- given: a, b -->             names that the page's reader has, made by `given.py`
+    <!-- given: a, b -->             names that the page's reader has, made by `controller_checks.py`
     <!-- numbers vary -->            of a `text` block: only its words are compared
     <!-- slow: how slow -->          it is run by `make prove` alone, and what follows it is compared there
     <!-- not run: why -->

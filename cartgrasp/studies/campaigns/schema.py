@@ -7,7 +7,7 @@ from typing import Annotated, Any, Literal
 from pydantic import Field, PositiveFloat
 
 from planning.contact_sources.choosing import Choosing
-from planning.contact_sources.ways import Way
+from planning.contact_sources.strategies import Strategy
 from planning.control.caution import Caution
 from planning.control.hand import RegraspTimes
 from planning.problem.problem_schema import ArmEntry, CartLimitsEntry, NotNegative, Positive
@@ -109,7 +109,7 @@ class ClosedLoopEntry(StrictModel):
     plant_timestep: Positive | None = None
     arms: list[ArmEntry] = Field(min_length=1)
     switching: SwitchingEntry | None = None
-    contacts: Way | None = None
+    contacts: Strategy | None = None
     choosing: ChoosingEntry | None = None
     regrasp: RegraspEntry | None = None
     cart_limits: CartLimitsEntry | None = None

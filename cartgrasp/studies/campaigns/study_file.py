@@ -12,7 +12,7 @@ from ruamel.yaml.comments import CommentedMap
 
 from estimation import FilterNoise, Prior
 from planning import CartLimit, Caution, Choosing, RegraspTimes
-from planning.contact_sources.ways import LEAST_EFFORT, PERIODIC
+from planning.contact_sources.strategies import LEAST_EFFORT, PERIODIC
 from planning.problem.problem_arms import arms_of
 from planning.problem.problem_limits import cart_limits_of
 from planning.references import PathReference, Stretch

@@ -8,7 +8,7 @@ import numpy as np
 
 from planning.contact_sources.fixed import FixedContacts
 from planning.contact_sources.periodic import PeriodicContacts
-from planning.contact_sources.ways import PERIODIC
+from planning.contact_sources.strategies import PERIODIC
 from planning.references import PathReference, Stretch
 
 from ...constraints import RollingConstraints

@@ -14,7 +14,7 @@ from estimation.online.kernels.row_algebra import BLOCK, LAG, WIDTH
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate
-from planning.contact_sources.ways import FIXED, PERIODIC
+from planning.contact_sources.strategies import FIXED, PERIODIC
 from planning.planner import WrenchPlanner
 from planning.tick.compiled_allocation import CompiledAllocation
 

@@ -85,7 +85,7 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
     entries.inverses(blocks.cart, blocks.cart_ints, asked, told[:1])
     u, r = told[0, 0], told[0, 1]
     for a in range(f):
-        if abs(wanted[a]) > steering.STILL:
+        if abs(wanted[a]) > steering.MIN_REFERENCE_SPEED:
             states[1, 3 + a] = wanted[a]
     entries.effects(blocks.cart, blocks.cart_ints, states, told)
     first, width = N_PHI + N_PHI * p, MEMORY + n - 3 - f + p

@@ -19,8 +19,8 @@ from cartgrasp.wheels import Wheel
 from estimation import CartFilter, Prior
 from planning import Choosing, Controller, PathReference, RegraspTimes, WrenchPlanner, chain, pause, plan_schedule
 from planning.contact_sources.by_name import contact_source
-from planning.contact_sources.outlook import ContactFamily
-from planning.contact_sources.ways import WAYS
+from planning.contact_sources.lookahead import ContactFamily
+from planning.contact_sources.strategies import STRATEGIES
 from planning.references import speed_change, turn
 from planning.schedule.schedule import Grip, Horizon, RegraspCost, wanted_wrench
 
@@ -53,7 +53,7 @@ def query(time=0.0, held=None, given=None, cart=CART):
     return ContactQuery(time, wanted_wrench(PATH, cart, time), given, held or {})
 
 
-@pytest.fixture(params=WAYS)
+@pytest.fixture(params=STRATEGIES)
 def way(request):
     return request.param
 

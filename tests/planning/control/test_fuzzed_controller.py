@@ -14,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, DisturbedFilter, FilterNoise
 from planning import Caution, Choosing, Controller, PathReference, RegraspTimes, chain, pause
-from planning.contact_sources.ways import WAYS
+from planning.contact_sources.strategies import STRATEGIES
 from planning.references import speed_change, turn
 
 DRAG = ViscousDrag(3.0, 1.2)
@@ -55,10 +55,10 @@ def spoiled(measured, random):
 @pytest.mark.long
 @pytest.mark.some(8)
 @pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered:RuntimeWarning")  # of the EKF, by odd numbers
-@pytest.mark.parametrize("way", WAYS)
+@pytest.mark.parametrize("way", STRATEGIES)
 @pytest.mark.parametrize("seed", range(3))
 def test_whatever_is_sensed(way, seed):
-    random = np.random.default_rng([seed, WAYS.index(way)])
+    random = np.random.default_rng([seed, STRATEGIES.index(way)])
     noise = FilterNoise(force=1.0, moment=0.05) if seed < 2 else FilterNoise(force=0.0, moment=0.0)  # either filter
     kind = DisturbedFilter if seed == 1 else CartFilter
     controller = Controller(

@@ -80,8 +80,8 @@ def enumerated(hands, window, allowance):
 def test_the_best_of_every_candidate(criterion, effort, limits, window):
     hands, allowance = arms(*limits), Allowance(effort, 0.03, criterion)
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(family_module, "SHARES", (1.0,))
-        patch.setattr(family_module, "SWINGS", (1,))
+        patch.setattr(family_module, "AMPLITUDE_FRACTIONS", (1.0,))
+        patch.setattr(family_module, "SWING_COUNTS", (1,))
         found = ExcitationChooser(CART, hands, NOISE, allowance).choose(PATH, window, PRIOR)
         least, best = enumerated(hands, window, allowance)
     assert found.status == "optimal"
@@ -184,8 +184,8 @@ def test_the_sequence_is_at_least_half_as_good_as_the_best():
     prior = np.diag(1.0 / np.array([8.0, 4.0, 4.0, 3.0]) ** 2)
     path = PathReference(chain([Stretch(1.0, 0.5)], pause(3.0), [Stretch(1.0, -0.5)]))
     with pytest.MonkeyPatch.context() as patch:
-        patch.setattr(family_module, "SHARES", (1.0,))
-        patch.setattr(family_module, "SWINGS", (1,))
+        patch.setattr(family_module, "AMPLITUDE_FRACTIONS", (1.0,))
+        patch.setattr(family_module, "SWING_COUNTS", (1,))
         chooser = ExcitationChooser(cart, arms(np.inf, np.inf), NOISE, Allowance(60.0, 0.01, "D"))
         plan = plan_excitation(chooser, path, prior, 1.25)
         best = np.zeros((1, 4, 4)) + prior

@@ -9,7 +9,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from planning import Skid, TipOver, WrenchPlanner
-from planning.tick.stopping import BEYOND, GENTLY
+from planning.tick.stopping import BEYOND_LIMITS, GENTLE_RATE_RATIO
 
 from ..limits.test_robust import BEND, LEFT, LIMITS, REST, RIGHT, cart, covariance, estimate, hands
 
@@ -85,7 +85,7 @@ def test_limits_that_no_wrench_keeps_do_not_leave_the_cart_alone():
     fast = BEND._replace(velocity=np.array([3.0, 3.0]))
     plan = stopped(made, estimate(covariance(), fast), np.array([-35.0, 0.0, 0.0]))
     assert plan.status == "infeasible"
-    assert plan.stops.endswith(BEYOND)
+    assert plan.stops.endswith(BEYOND_LIMITS)
     np.testing.assert_allclose(along(plan.held), [-35.0, 0.0], atol=1e-6)
 
 
@@ -95,7 +95,7 @@ def test_where_a_hard_stop_is_beyond_the_limits_a_gentle_one_is_given():
         (-300.0, 0.0, 0.0), CONTACTS, estimate(covariance(), REST), stop=np.array([-200.0, 0.0, 0.0]).__mul__
     )
     assert plan.status == "infeasible"
-    np.testing.assert_allclose(along(plan.held), [-200.0 * GENTLY, 0.0], atol=1e-6)
+    np.testing.assert_allclose(along(plan.held), [-200.0 * GENTLE_RATE_RATIO, 0.0], atol=1e-6)
 
 
 def test_the_share_follows_what_is_known_from_tick_to_tick():

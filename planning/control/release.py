@@ -22,7 +22,7 @@ if TYPE_CHECKING:
     from ..planner import WrenchPlanner
     from ..tick.stopping import Stop
 
-LOOKS = 6
+LOOKAHEAD_PLANS = 6
 """Times within a regrasp at which the others' plans are made ahead."""
 COAST_STEP = 0.01  # s
 
@@ -43,7 +43,7 @@ class Ahead(NamedTuple):
 
 def why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:
     """In words, what of the next `lasting` s is too much for the arms of `planner` at `contacts`; empty if nothing."""
-    times = ahead.time + np.linspace(0.0, lasting, LOOKS)
+    times = ahead.time + np.linspace(0.0, lasting, LOOKAHEAD_PLANS)
     wrenches = [ahead.wrench_b, *(wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())]
     for wrench in wrenches:
         if planner.plan_or_hold(wrench, contacts, ahead.estimate, stop=ahead.stop).status != OPTIMAL:

@@ -25,8 +25,8 @@ if TYPE_CHECKING:
 
     from ..control.hand import RegraspTimes
 
-SAME_PLACE = 1e-6  # m
-QUIET = 1e-3
+SAME_CHOICE_DISTANCE = 1e-6  # m
+MIN_WRENCH_STD = 1e-3
 """N and N·m: sensors are not taken to be better."""
 
 
@@ -47,7 +47,7 @@ class ContactFamily:
     def of(cls, cart: CartModel, arms: Sequence[Arm], noise: WrenchNoise, min_hand_distance: float) -> ContactFamily:
         template = AllocationTemplate.of(cart, arms)
         choices = contact_choices(arms, min_hand_distance)
-        noise = WrenchNoise(max(noise.force, QUIET), max(noise.moment, QUIET), noise.rate)
+        noise = WrenchNoise(max(noise.force, MIN_WRENCH_STD), max(noise.moment, MIN_WRENCH_STD), noise.rate)
         return cls(
             names=tuple(arm.name for arm in arms),
             choices=choices,
@@ -64,18 +64,18 @@ class ContactFamily:
             return None
         away = np.abs(self.choices - np.array([held[name] for name in self.names])).max(axis=(1, 2))
         best = int(away.argmin())
-        return best if away[best] <= SAME_PLACE else None
+        return best if away[best] <= SAME_CHOICE_DISTANCE else None
 
     def contacts(self, choice: int) -> dict[str, Array]:
         return dict(zip(self.names, self.choices[choice], strict=True))
 
-    def ahead(self, cart: CartModel, reference: ReferencePath, window: tuple[float, float]) -> Outlook:
+    def ahead(self, cart: CartModel, reference: ReferencePath, window: tuple[float, float]) -> Lookahead:
         way = motions(reference, cart, window, 0.0)
         samples = (window[1] - window[0]) * self.noise.rate / way.samples
         noise = self.reduced + self.noise.rate * _stiction(cart, reference, window, way.samples)
         taught = samples * fisher_information(way.regressors[0], noise)
         alone = np.array([split.efforts(way.needed)[0] for split in self.without])
-        return Outlook(self, cart.planar_wrench(way.needed[0]), self.split.efforts(way.needed)[0], taught, alone)
+        return Lookahead(self, cart.planar_wrench(way.needed[0]), self.split.efforts(way.needed)[0], taught, alone)
 
 
 def _without(cart: CartModel, arms: Sequence[Arm], choices: Array, arm: int) -> FreeSplit:
@@ -94,7 +94,7 @@ def _stiction(cart: CartModel, reference: ReferencePath, window: tuple[float, fl
 
 
 @dataclass(frozen=True, eq=False)
-class Outlook:
+class Lookahead:
     """The wrenches (T, 3) in {b} that the reference needs, and by choice the mean effort that no limit can lower,
     `lowest` (J,) in N², and the Fisher information `taught` (J, p, p); `alone` (n, J) is as `lowest`, without each arm.
     """
@@ -126,7 +126,7 @@ class Outlook:
             return np.zeros(len(self.lowest))
         choices = self.family.choices
         distances = np.linalg.norm(choices - choices[held], axis=2)
-        lasting = np.where(distances > SAME_PLACE, times.lasting(distances), 0.0)
+        lasting = np.where(distances > SAME_CHOICE_DISTANCE, times.lasting(distances), 0.0)
         alone = self.alone[:, held] - self.lowest[held] if len(self.alone) else self.lowest[[held]]
         more = np.maximum(alone, 0.0)
         return np.asarray(lasting @ more + effort * (lasting > 0).sum(axis=1))
@@ -135,7 +135,7 @@ class Outlook:
         """The choice of least effort and charge (J,), N²; None where no choice can drive the reference."""
         best, least = None, np.inf
         for choice in np.argsort(self.lowest + charges, kind="stable").tolist():
-            if self.lowest[choice] + charges[choice] >= least * (1 - SAME_PLACE):
+            if self.lowest[choice] + charges[choice] >= least * (1 - SAME_CHOICE_DISTANCE):
                 break
             cost = self.effort(choice) + charges[choice]
             if cost < least:

@@ -12,7 +12,13 @@ import cartgrasp as cg
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.simulation import SensorNoise
 from planning import Controller, PathReference, chain, pause
-from planning.control.obedience import BACK, LITTLE, LOUD, PROBE, Obedience
+from planning.control.command_tracking import (
+    IDLE_FRACTION,
+    MIN_COMMAND_RMS,
+    PROBE_FORCE,
+    RETURN_FRACTION,
+    CommandTracking,
+)
 from planning.references import speed_change
 
 from .driving import ticks, without
@@ -28,23 +34,24 @@ PATH = PathReference(chain(speed_change(0.8, 0.5), pause(3.0), speed_change(-0.8
 )
 def test_a_steady_share_is_that_share(share, size, steps):
     """Whatever the rhythm: both means forget alike."""
-    watched, told = Obedience(), np.array([size, 0.5 * size, 0.0, 1.0, 2.0, 3.0])
+    watched, told = CommandTracking(), np.array([size, 0.5 * size, 0.0, 1.0, 2.0, 3.0])
     for duration in steps:
         watched = watched.after({"left": told}, {"left": share * told}, duration)
-    if watched.lasting >= 2.0 and np.linalg.norm(told[:3]) > 1.01 * LOUD:
-        assert watched.idle == (pytest.approx({"left": share}) if abs(share) < LITTLE else {})
-    if np.linalg.norm(told[:3]) < LOUD:
+    if watched.lasting >= 2.0 and np.linalg.norm(told[:3]) > 1.01 * MIN_COMMAND_RMS:
+        assert watched.idle == (pytest.approx({"left": share}) if abs(share) < IDLE_FRACTION else {})
+    if np.linalg.norm(told[:3]) < MIN_COMMAND_RMS:
         assert not watched.idle
 
 
 @given(share=st.floats(0.0, 1.0))
 def test_one_is_idle_until_it_gives_half_of_the_probe_or_is_told_less(share):
-    watched, told, probe = Obedience(), {"left": np.full(6, 20.0)}, np.array([PROBE, 0.0, 0.0, 0.0, 0.0, 0.0])
+    watched, told = CommandTracking(), {"left": np.full(6, 20.0)}
+    probe = np.array([PROBE_FORCE, 0.0, 0.0, 0.0, 0.0, 0.0])
     for _ in range(100):
         watched = watched.after(told, {"left": np.zeros(6)}, 0.01)
     for _ in range(300):
         watched = watched.after({"left": probe}, {"left": share * probe}, 0.01)
-    assert bool(watched.idle) == (share < BACK) or abs(share - BACK) < 1e-3
+    assert bool(watched.idle) == (share < RETURN_FRACTION) or abs(share - RETURN_FRACTION) < 1e-3
     for _ in range(300):
         watched = watched.after({"left": 0.4 * probe}, {"left": np.zeros(6)}, 0.01)
     assert not watched.idle
@@ -90,7 +97,7 @@ def test_others_bear_what_an_idle_arm_does_not():
     steps = {k: tick.step for k, tick in told.items()}
     assert np.linalg.norm(told[249].step.reference.pose_sb[:2] - told[249].motion.pose_sb[:2]) < 0.02
     idle = [step for k, step in steps.items() if step.idle and k < 250]
-    assert all(np.linalg.norm(step.wrenches["left"][:3]) <= PROBE + 1e-9 for step in idle)
+    assert all(np.linalg.norm(step.wrenches["left"][:3]) <= PROBE_FORCE + 1e-9 for step in idle)
     assert any(step.plan.cart_wrench[0] - step.wrenches["right"][0] < 1e-6 for step in idle)
     forces = np.array([steps[k].wrenches["left"][:3] for k in range(249, 350)])
     assert np.abs(np.diff(forces, axis=0)).max() < 6.0
@@ -105,14 +112,14 @@ def test_arms_that_are_back_give_no_blow(regrasps):
     given = {round(100 * tick.step.time): tick.step.given.wrench_b for tick in told}
     usual = max(np.abs(given[k][0]) for k in range(150))
     assert max(np.abs(given[k][0]) for k in range(250, 420)) < 1.3 * usual
-    assert max(np.abs(given[k][0]) for k in range(200, 250)) <= 2.0 * PROBE + 1e-9
+    assert max(np.abs(given[k][0]) for k in range(200, 250)) <= 2.0 * PROBE_FORCE + 1e-9
     assert any(tick.step.words.endswith("no arm gives what it is told") for tick in told)
     last = told[-1]
     assert np.linalg.norm(last.step.reference.pose_sb[:2] - last.motion.pose_sb[:2]) < 0.03
 
 
 def test_a_sensor_of_the_other_sign_is_no_idle_arm():
-    watched, told = Obedience(), np.full(6, 20.0)
+    watched, told = CommandTracking(), np.full(6, 20.0)
     for _ in range(100):
         watched = watched.after({"left": told}, {"left": -told}, 0.01)
     assert not watched.idle

@@ -1,0 +1,72 @@
+"""How much of its commanded force each arm is measured to give, over the last moments; and which arms are idle.
+
+An idle arm is commanded no more than `PROBE_FORCE` until it is measured to give that: what was meanwhile to be given
+would all come at once when it is back.
+"""
+
+from __future__ import annotations
+
+import math
+from collections.abc import Collection, Mapping
+from dataclasses import dataclass, field, replace
+
+import numpy as np
+
+from cartgrasp.contacts import ContactWrenches
+from cartgrasp.frames import Array
+
+FORGETTING_TIME_CONSTANT = 0.2
+"""s."""
+MIN_COMMAND_RMS, IDLE_FRACTION = 5.0, 0.25
+"""N, rms of the commanded force, below which noise could be all that is measured; the share of it below which an arm is
+idle."""
+PROBE_FORCE, RETURN_FRACTION = 5.0, 0.5
+"""N; the share of it from which on an arm is back. One whose command is less than half of this is not known to be idle
+any more."""
+
+
+@dataclass(frozen=True)
+class CommandTracking:
+    """By arm, exponentially weighted means of commanded · measured and of commanded · commanded force, N²; over how
+    long (s); and the idle arms, with the share of their commands that they give."""
+
+    cross_power: Mapping[str, float] = field(default_factory=dict)
+    command_power: Mapping[str, float] = field(default_factory=dict)
+    lasting: float = 0.0
+    idle: Mapping[str, float] = field(default_factory=dict)
+
+    def after(self, commanded: Mapping[str, Array], measured: Mapping[str, Array], duration: float) -> CommandTracking:
+        """So many s later, in which arms were to give wrenches (6,) in {a}, and gave the measured ones."""
+        kept = math.exp(-duration / FORGETTING_TIME_CONSTANT)
+        cross, power = dict(self.cross_power), dict(self.command_power)
+        for arm in measured.keys() & commanded.keys():
+            fx, fy, fz = commanded[arm][:3].tolist()
+            x, y, z = np.asarray(measured[arm], dtype=float)[:3].tolist()
+            cross[arm] = kept * cross.get(arm, 0.0) + (1.0 - kept) * (fx * x + fy * y + fz * z)
+            power[arm] = kept * power.get(arm, 0.0) + (1.0 - kept) * (fx * fx + fy * fy + fz * fz)
+        return CommandTracking(cross, power, self.lasting + duration, self._idle(cross, power))
+
+    def _idle(self, cross_power: Mapping[str, float], command_power: Mapping[str, float]) -> Mapping[str, float]:
+        if self.lasting < FORGETTING_TIME_CONSTANT:
+            return {}
+        found = {}
+        for arm, power in command_power.items():
+            was_idle = arm in self.idle
+            rms, share = (PROBE_FORCE / 2.0, RETURN_FRACTION) if was_idle else (MIN_COMMAND_RMS, IDLE_FRACTION)
+            if power > rms**2 and abs(cross_power[arm]) < share * power:  # also where a sensor has the other sign
+                found[arm] = cross_power[arm] / power
+        return found
+
+
+def probed(given: ContactWrenches, idle: Collection[str]) -> ContactWrenches:
+    """With no more than that of idle arms."""
+    if not idle:
+        return given
+    wrenches = {name: probing(one) if name in idle else one for name, one in given.wrenches.items()}
+    return replace(given, wrenches=wrenches)
+
+
+def probing(wrench: Array) -> Array:
+    """A wrench (6,) of which the force is `PROBE_FORCE` at most."""
+    force = float(np.linalg.norm(wrench[:3]))
+    return wrench if force <= PROBE_FORCE else PROBE_FORCE / force * wrench
