@@ -177,6 +177,42 @@ def fragments(tree_of: Mapping[str, str]) -> list[str]:
     ]
 
 
+def ambiguous(tree_of: Mapping[str, str]) -> dict[str, list[str]]:
+    """Names of constants that are one number here and another there, with the modules that define them."""
+    values: dict[str, dict[str, set[str]]] = {}
+    for module, source in tree_of.items():
+        for name, value in _numbers(ast.parse(source)):
+            values.setdefault(name, {}).setdefault(value, set()).add(module)
+    return {name: sorted(set().union(*found.values())) for name, found in values.items() if len(found) > 1}
+
+
+def _numbers(tree: ast.Module) -> Iterator[tuple[str, str]]:
+    """A module's constants that are numbers, or tuples and products of some, with their values."""
+    for statement in tree.body:
+        if not isinstance(statement, ast.Assign):
+            continue
+        for target in statement.targets:
+            names = target.elts if isinstance(target, ast.Tuple) else [target]
+            several = isinstance(target, ast.Tuple) and isinstance(statement.value, ast.Tuple)
+            values = statement.value.elts if several else [statement.value] * len(names)  # type: ignore[attr-defined]
+            for name, value in zip(names, values, strict=False):
+                if isinstance(name, ast.Name) and name.id.isupper() and _is_number(value):
+                    yield name.id, ast.unparse(value)
+
+
+def _is_number(value: ast.expr) -> bool:
+    match value:
+        case ast.Constant(value=number):
+            return isinstance(number, (int, float))
+        case ast.UnaryOp(operand=operand):
+            return _is_number(operand)
+        case ast.BinOp(left=left, right=right):
+            return _is_number(left) and _is_number(right)
+        case ast.Tuple(elts=parts):
+            return all(map(_is_number, parts))
+    return False
+
+
 def too_long(files: Mapping[str, str]) -> list[str]:
     counts = {name: len(source.splitlines()) for name, source in files.items()}
     return [f"{name}: {count} lines" for name, count in counts.items() if count > LONGEST]
@@ -217,6 +253,10 @@ def test_nothing_runs_code_that_came_as_data():
 def test_docstrings_name_what_they_describe():
     assert not fragments(TREE)
     assert fragments({"a": 'X = 1\n"""Of a log: its rows."""\n', "b": '"""Rows of a log."""\n'}) == ["a:2"]
+
+
+def test_no_constant_has_two_meanings():
+    assert ambiguous(sources()) == {}
 
 
 def test_no_file_is_too_long():
@@ -373,6 +413,11 @@ def test_unsafe_code_is_found(source):
 
 def test_safe_code_is_not():
     assert not unsafe({"cartgrasp.a": "from .yaml_file import read\nYAML(typ='rt').load(x)\nmodel.eval()\nnp.load(p)"})
+
+
+def test_names_of_two_numbers_are_found():
+    tree_of = {"a": "FAR = 2.0\nFEW, SURE = 3, 4.0", "b": "FAR = 6.0\nFEW = 3\nWORDS = ('a',)", "c": "WORDS = ('b',)"}
+    assert ambiguous(tree_of) == {"FAR": ["a", "b"]}
 
 
 def test_long_files_are_found():
