@@ -20,10 +20,10 @@ from .frames import Array
 from .spatial_pose import SpatialPose
 from .urdf_arm import UrdfArm, rotation_vector
 
-REACHED = 1e-6
+POSE_TOLERANCE = 1e-6
 """m and rad: what counts as at the pose."""
-MOST_STEPS = 200
-STUCK = 1e8
+MAX_POSTURE_STEPS = 200
+MAX_DAMPING = 1e8
 """A damping at which steps are below 1e-8 of the error: a local minimum."""
 
 
@@ -37,7 +37,7 @@ class Posture:
 
     @property
     def reached(self) -> bool:
-        return self.position_error <= REACHED and self.rotation_error <= REACHED
+        return self.position_error <= POSE_TOLERANCE and self.rotation_error <= POSE_TOLERANCE
 
 
 def find_posture(
@@ -63,8 +63,8 @@ def _starts(arm: UrdfArm, start: ArrayLike | None, restarts: int, seed: int) -> 
 
 def _descend(arm: UrdfArm, target: SpatialPose, configuration: Array) -> Posture:
     damping, error = 1e-2, _error(arm, target, configuration)
-    for _ in range(MOST_STEPS):
-        if np.abs(error).max() <= 0.1 * REACHED or damping > STUCK:
+    for _ in range(MAX_POSTURE_STEPS):
+        if np.abs(error).max() <= 0.1 * POSE_TOLERANCE or damping > MAX_DAMPING:
             break
         trial = _step(arm, configuration, error, damping)
         trial_error = _error(arm, target, trial)

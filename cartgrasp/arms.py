@@ -10,7 +10,7 @@ from typing import Any, Protocol, runtime_checkable
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST_NUMBER, angle, brief, check_kind, digits, listed, numbers
+from .checks import MAX_NUMBER, angle, brief, check_kind, digits, listed, numbers
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
@@ -118,7 +118,7 @@ class Arm:
             "force_limit": _limits(f"{where}: force_limit", force_limit, FORCES),
             "moment_limit": _limits(f"{where}: moment_limit", moment_limit, MOMENTS),
             "friction": friction,
-            "weights": numbers(f"{where}: weights", weights, WRENCH, 0.0, LARGEST_NUMBER),
+            "weights": numbers(f"{where}: weights", weights, WRENCH, 0.0, MAX_NUMBER),
             "push_only": bool(push_only),
             "payload": _limits(f"{where}: payload", (payload,), "(kg)")[0],
             "wrench_rate": _limits(f"{where}: wrench_rate", wrench_rate, WRENCH),
@@ -182,6 +182,6 @@ def _contact_set(name: str, points: Sequence[ArrayLike], segment: Sequence[Array
 def _limits(what: str, values: Sequence[float], form: str) -> tuple[float, ...]:
     """The limits (n,) on magnitudes, in either direction; `inf` stands for no limit."""
     found = numbers(what, values, form, 0.0)
-    if any(LARGEST_NUMBER < value < np.inf for value in found):
-        raise UsageError(f"{what}: {list(found)} has a number beyond {LARGEST_NUMBER:g}; for no limit, give inf")
+    if any(MAX_NUMBER < value < np.inf for value in found):
+        raise UsageError(f"{what}: {list(found)} has a number beyond {MAX_NUMBER:g}; for no limit, give inf")
     return found

@@ -20,7 +20,7 @@ from .effects.effect import Wall
 from .frames import Array, body_to_world
 from .model import CartModel
 
-ALONG = 1e-6
+MIN_APPROACH_FRACTION = 1e-6
 """Least share of a cart's speeds that takes it towards a wall; below it, the cart rolls along the wall and never
 reaches it."""
 
@@ -43,7 +43,7 @@ def _against(cart: CartModel, wall: Wall, before: Array, after: Array, clock: tu
     limit = np.maximum(depth, 0.0)
     rows, free = cart.velocity_slice, cart.basis_b
     ways = wall.side * (body_to_world(after[..., 2]) @ free)[..., 0, :]
-    hit = (end > limit) & ((ways**2).sum(axis=-1) > ALONG**2)
+    hit = (end > limit) & ((ways**2).sum(axis=-1) > MIN_APPROACH_FRACTION**2)
     if not hit.any():
         return after
     mass = cart.inverse(after, np.zeros(cart.constraints.n_free), time=time).by_acceleration

@@ -12,7 +12,7 @@ from typing import Any
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from .checks import FARTHEST, did_you_mean
+from .checks import MAX_DISTANCE, did_you_mean
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
 from .effects.effect import Setting
@@ -89,8 +89,8 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
     if entry.inertia <= 0:
         why = f"{entry.inertia:g} kg m² about the CoM is not positive, so J m > |m d|² fails"
         raise refuse(["inertia"], why)
-    if max(map(abs, entry.com)) > FARTHEST:
-        raise refuse(["com"], f"{entry.com} is beyond {FARTHEST:g} m; lengths are in m")
+    if max(map(abs, entry.com)) > MAX_DISTANCE:
+        raise refuse(["com"], f"{entry.com} is beyond {MAX_DISTANCE:g} m; lengths are in m")
     x, y = entry.mass * entry.com[0], entry.mass * entry.com[1]
     product = entry.mass * entry.inertia + (x * x + y * y)
     if not x * x + y * y < product < math.inf:
@@ -153,8 +153,8 @@ def _constraints(entries: list[dict[str, Any]], refuse: Any) -> RollingConstrain
         if axle_x is not None:
             raise refuse(where, "stands twice; two axles at different x are a rail: use `no_rotation: {}`")
         axle_x = _number(values.get("x", 0.0), [*where, "x"], refuse)
-        if abs(axle_x) > FARTHEST:
-            raise refuse([*where, "x"], f"{axle_x:g} m is beyond {FARTHEST:g} m; lengths are in m")
+        if abs(axle_x) > MAX_DISTANCE:
+            raise refuse([*where, "x"], f"{axle_x:g} m is beyond {MAX_DISTANCE:g} m; lengths are in m")
     if no_rotation and axle_x is None:
         raise refuse(["constraints"], "no_rotation needs no_lateral_slip beside it (a rail has both)")
     return RollingConstraints(axle_x, no_rotation)

@@ -15,7 +15,7 @@ from typing import Any, Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import FARTHEST, check_kind, listed, number
+from .checks import MAX_DISTANCE, check_kind, listed, number
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
 from .errors import UsageError
@@ -54,7 +54,7 @@ class CartStructure(ABC):
         form = "write wheels=(Wheel('fixed', x, y), …)"
         object.__setattr__(self, "wheels", listed("cart: wheels", self.wheels, Wheel, form))
         if self.com_height is not None:
-            number("cart: com_height", self.com_height, 0.0, FARTHEST, "give m above the floor")
+            number("cart: com_height", self.com_height, 0.0, MAX_DISTANCE, "give m above the floor")
         keys = [effect.key for effect in self.effects]
         for key in keys:
             if keys.count(key) > 1:

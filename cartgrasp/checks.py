@@ -13,20 +13,20 @@ import numpy as np
 from .errors import UsageError
 from .frames import Array
 
-LARGEST_ANGLE = 4 * math.pi
+MAX_ANGLE = 4 * math.pi
 """rad: two turns. What is more was meant in degrees."""
-FARTHEST = 50.0
+MAX_DISTANCE = 50.0
 """m from {b}: what is farther is no part of a cart, nor where a hand holds it."""
-LARGEST_NUMBER = 1e12
+MAX_NUMBER = 1e12
 """The largest finite number that is accepted: squares of larger ones mean nothing."""
-LARGEST_FLOAT = sys.float_info.max
-MOST_SHOWN = 60
+MAX_FLOAT = sys.float_info.max
+MAX_SHOWN_CHARS = 60
 
 
 def shown(value: Any) -> str:
     """The `repr` of a value in one short line."""
     words = " ".join(repr(value).split())
-    return words if len(words) <= MOST_SHOWN else f"{words[: MOST_SHOWN - 2]} …"
+    return words if len(words) <= MAX_SHOWN_CHARS else f"{words[: MAX_SHOWN_CHARS - 2]} …"
 
 
 def did_you_mean(word: str, known: Iterable[str]) -> str:
@@ -124,7 +124,7 @@ def rows(what: str, values: Any, columns: Sequence[str], count: int | None = Non
 def angle(what: str, value: Any) -> float:
     """rad."""
     found = number(what, value, -math.inf, math.inf)
-    if not abs(found) <= LARGEST_ANGLE:
+    if not abs(found) <= MAX_ANGLE:
         cure = f"; {found:g} degrees are {math.radians(found):.4g} rad" if math.isfinite(found) else ""
         raise UsageError(f"{what}: {found:g} rad is more than two turns, or not finite; angles are in rad{cure}")
     return found
@@ -132,7 +132,7 @@ def angle(what: str, value: Any) -> float:
 
 def pose(what: str, values: Any) -> tuple[float, float, float]:
     """(x, y, theta), finite."""
-    x, y, theta = numbers(what, values, "(x, y, theta) in m and rad", -LARGEST_NUMBER, LARGEST_NUMBER)
+    x, y, theta = numbers(what, values, "(x, y, theta) in m and rad", -MAX_NUMBER, MAX_NUMBER)
     return x, y, angle(f"{what}: theta", theta)
 
 
@@ -159,8 +159,8 @@ def _kind_of(values: Any) -> str:
 
 
 def _range(low: float, high: float) -> str:
-    what = "a finite number" if high == LARGEST_FLOAT else "a number"
-    high = math.inf if high == LARGEST_FLOAT else high
+    what = "a finite number" if high == MAX_FLOAT else "a number"
+    high = math.inf if high == MAX_FLOAT else high
     if low == -math.inf and high == math.inf:
         return what
     if high == math.inf:

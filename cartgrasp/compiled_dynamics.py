@@ -13,13 +13,23 @@ from .errors import UsageError
 from .frames import Array
 from .kernels import entries
 from .kernels.jit import Ints
-from .kernels.situation import SWUNG, Parts
-from .kernels.vocabulary import STICKING
-from .kernels.workspace import MEMORY, N_PHI, N_WRENCH, PHI, POSE, VELOCITY, PackedEffect, pack, sums_size
+from .kernels.situation import SWINGING_ROW, Parts
+from .kernels.vocabulary import STICTION_EFFECTS
+from .kernels.workspace import (
+    MEMORY_COLUMN,
+    N_PHI,
+    N_WRENCH,
+    PHI_COLUMN,
+    POSE_COLUMN,
+    VELOCITY_COLUMN,
+    PackedEffect,
+    pack,
+    sums_size,
+)
 from .wheels import GRAVITY, WheelSet
 
-STAY = np.zeros(2)
-STABLE = 1.5
+ZERO_STEPS = np.zeros(2)
+MAX_STEP_STIFFNESS = 1.5
 """Largest product of step time and stiffness at which `advanced` is run; in theory it is stable up to 2.78."""
 
 
@@ -45,7 +55,7 @@ class CompiledDynamics:
         table = np.column_stack([wheels.positions, wheels.is_caster])
         self.floats, self.ints = pack(effects, (table, wheels.pivots), basis_b, sizes, (GRAVITY, smoothing_speed))
         self._n_wheels, self.n_sums = len(table), sums_size(self.n_memory, self.n_parameters)
-        sticking = sum(effect.name in STICKING for effect in effects)
+        sticking = sum(effect.name in STICTION_EFFECTS for effect in effects)
         self.most_stictions = sticking * (2 * len(table) + 2) + (self.n_memory if sticking else 0)
 
     def warm_up(self) -> None:
@@ -60,11 +70,13 @@ class CompiledDynamics:
     def rates(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""
         n, p = self.n_state, self.n_parameters
-        found = self._ask(entries.rates, self._given(point, _pushed(wrench_b, STAY), foreign), n * (1 + n + 3 + p))
+        found = self._ask(
+            entries.rates, self._given(point, _pushed(wrench_b, ZERO_STEPS), foreign), n * (1 + n + 3 + p)
+        )
         return split(found, ((n,), (n, n), (n, 3), (n, p)))
 
     def rate(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> Array:
-        return self._ask(entries.rates, self._given(point, _pushed(wrench_b, STAY), foreign), self.n_state)
+        return self._ask(entries.rates, self._given(point, _pushed(wrench_b, ZERO_STEPS), foreign), self.n_state)
 
     def advanced(self, point: Point, wrench_b: Array, step: Any, n_steps: Any) -> Array:
         """The state (..., n) after classical fourth-order steps (...) under a wrench that is held."""
@@ -114,16 +126,16 @@ class CompiledDynamics:
         """Views of sums: phi, its partials by the parameters, the wrench, the rate of the memory, and, as one row, the
         mass that swings."""
         p, k = self.n_parameters, self.n_memory
-        width = MEMORY + k + p
+        width = MEMORY_COLUMN + k + p
         phi, by_parameters, wrench, rate = split(sums, ((N_PHI,), (N_PHI, p), (N_WRENCH, width), (k, width)))
-        felt, swung = _of_rows(wrench[..., :SWUNG, :], k), _of_rows(wrench[..., SWUNG:, :], k)
+        felt, swung = _of_rows(wrench[..., :SWINGING_ROW, :], k), _of_rows(wrench[..., SWINGING_ROW:, :], k)
         return phi, by_parameters, felt, _of_rows(rate, k), swung
 
     def values(self, sums: Array) -> tuple[Array, Array]:
         """Views of sums: the wrench (..., 3) and the mass that swings (...)."""
-        width, first = MEMORY + self.n_memory + self.n_parameters, N_PHI * (1 + self.n_parameters)
+        width, first = MEMORY_COLUMN + self.n_memory + self.n_parameters, N_PHI * (1 + self.n_parameters)
         values = sums[..., first : first + N_WRENCH * width : width]
-        return values[..., :SWUNG], values[..., SWUNG]
+        return values[..., :SWINGING_ROW], values[..., SWINGING_ROW]
 
     def settled(self, point: Point) -> Array:
         """The memory (..., k) when it has come to rest."""
@@ -196,6 +208,6 @@ def _rows(stack: Array) -> Array:
 
 def _of_rows(rows: Array, n_memory: int) -> Parts:
     """Views of rows (..., n, 11 + k + p) of sums."""
-    ends = POSE, VELOCITY, PHI, MEMORY, MEMORY + n_memory
+    ends = POSE_COLUMN, VELOCITY_COLUMN, PHI_COLUMN, MEMORY_COLUMN, MEMORY_COLUMN + n_memory
     by_pose, by_velocity, by_phi, by_memory = (rows[..., a:b] for a, b in pairwise(ends))
     return Parts(rows[..., 0], by_pose, by_velocity, by_phi, by_memory, rows[..., ends[-1] :])

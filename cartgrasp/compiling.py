@@ -16,9 +16,9 @@ from . import kernel_compiler
 from .kernel_compiler import EntryCompiler, InnerCompiler
 
 F = TypeVar("F", bound=Callable[..., object])
-ENTRIES: list[Any] = []
+ENTRY_KERNELS: list[Any] = []
 """Kernels that Python calls, of all that has been imported."""
-OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
+JIT_OPTIONS: dict[str, Any] = {"error_model": "numpy", "_nrt": False}
 
 
 def digest(sources: list[bytes]) -> str:
@@ -51,10 +51,10 @@ def cached_as(name: str, options: dict[str, Any]) -> Callable[[F], F]:
             kernel.compile = _one_at_a_time(
                 kernel.compile, Path(kernel._cache.cache_path) / f"{function.__qualname__}.lock"
             )
-            ENTRIES.append(kernel)
+            ENTRY_KERNELS.append(kernel)
         except RuntimeError:  # no directory can be written to
-            ENTRIES.append(njit(function, **given))
-        return ENTRIES[-1]  # type: ignore[no-any-return]
+            ENTRY_KERNELS.append(njit(function, **given))
+        return ENTRY_KERNELS[-1]  # type: ignore[no-any-return]
 
     return entry
 

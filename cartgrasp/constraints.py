@@ -16,7 +16,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import FARTHEST, check_kind, number
+from .checks import MAX_DISTANCE, check_kind, number
 from .errors import UsageError
 from .frames import Array
 
@@ -37,7 +37,7 @@ class RollingConstraints:
             raise UsageError("constraints: no_rotation needs no_lateral_slip beside it (a rail has both)")
         check_kind("constraints: no_rotation", self.no_rotation, bool, "write True or False")
         if self.axle_x is not None:
-            number("constraints: axle_x", self.axle_x, -FARTHEST, FARTHEST, "give its x in {b}, m, or None")
+            number("constraints: axle_x", self.axle_x, -MAX_DISTANCE, MAX_DISTANCE, "give its x in {b}, m, or None")
 
     @property
     def n_rows(self) -> int:

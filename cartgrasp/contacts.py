@@ -14,11 +14,11 @@ from typing import Any
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import FARTHEST, check_kind, listed, numbers, shown
+from .checks import MAX_DISTANCE, check_kind, listed, numbers, shown
 from .errors import UsageError
 from .frames import Array, adjoint, body_to_world
 
-LARGEST_POSITION = FARTHEST
+MAX_POSITION = MAX_DISTANCE
 WRENCH_NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
 
 
@@ -26,7 +26,7 @@ def points_of(what: str, points: Any) -> tuple[tuple[float, float, float], ...]:
     """Contact points in {b}, as numbers."""
     if isinstance(points, str) or not isinstance(points, Iterable):
         raise UsageError(f"{what}: {shown(points)} is no list of points; write [(x, y, z)], in m")
-    low, high, found = -LARGEST_POSITION, LARGEST_POSITION, []
+    low, high, found = -MAX_POSITION, MAX_POSITION, []
     for point in points:
         if isinstance(point, float | int):
             raise UsageError(f"{what}: {shown(points)} is one point; a list of points is needed: [(x, y, z)]")

@@ -10,7 +10,7 @@ from .checks import number
 from .errors import UsageError
 
 EXACT = "exact"
-LARGEST_FRICTION = 100.0
+MAX_FRICTION = 100.0
 
 
 @dataclass(frozen=True)
@@ -25,7 +25,7 @@ class Friction:
     sides: int | str = 4
 
     def __post_init__(self) -> None:
-        object.__setattr__(self, "mu", number("friction: mu", self.mu, 0.0, LARGEST_FRICTION))
+        object.__setattr__(self, "mu", number("friction: mu", self.mu, 0.0, MAX_FRICTION))
         if self.sides != EXACT and not (isinstance(self.sides, int | np.integer) and 3 <= self.sides <= 256):
             raise UsageError(f'friction: sides: {self.sides!r} is neither a whole number of 3 to 256 nor "exact"')
         object.__setattr__(self, "sides", self.sides if self.sides == EXACT else int(self.sides))

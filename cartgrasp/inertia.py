@@ -13,7 +13,7 @@ from typing import TypeVar
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import FARTHEST, number, numbers
+from .checks import MAX_DISTANCE, number, numbers
 from .errors import UsageError
 from .frames import Array, components
 
@@ -56,7 +56,7 @@ class Inertia:
 
     def __post_init__(self) -> None:
         number("mass", self.mass, -math.inf, math.inf, "give kg")
-        numbers("com", self.com, "(x, y) in {b}, m", -FARTHEST, FARTHEST)
+        numbers("com", self.com, "(x, y) in {b}, m", -MAX_DISTANCE, MAX_DISTANCE)
         number("inertia", self.about_com, -math.inf, math.inf, "give kg m²")
         self._check_physical()
 

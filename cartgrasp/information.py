@@ -22,7 +22,7 @@ from .frames import Array
 from .inertia import N_PHI
 from .model import CartModel
 
-CERTAIN = 1e8
+KNOWN_INFORMATION = 1e8
 """Information that stands for a known value."""
 
 
@@ -80,10 +80,11 @@ def covariance_after(covariance: Array, information: Array) -> Array:
 
 
 def information_of(covariance: Array) -> Array:
-    """The inverse (p, p) of a covariance (p, p) in which some parameters may be known for sure: they have `CERTAIN`."""
+    """The inverse (p, p) of a covariance (p, p) in which some parameters may be known for sure: they have
+    `KNOWN_INFORMATION`."""
     variance = np.diagonal(covariance)
     free = np.flatnonzero(variance > 0)
-    information = CERTAIN * np.eye(len(covariance))
+    information = KNOWN_INFORMATION * np.eye(len(covariance))
     information[np.ix_(free, free)] = np.linalg.inv(covariance[np.ix_(free, free)])
     return information
 

@@ -7,7 +7,7 @@ from typing import Protocol, runtime_checkable
 
 import numpy as np
 
-from .checks import LARGEST_NUMBER, shown
+from .checks import MAX_NUMBER, shown
 from .errors import UsageError
 from .frames import Array
 
@@ -45,8 +45,8 @@ class JointTorques:
             object.__setattr__(self, "names", tuple(map(str, range(n))))
         if len(self.names) != n:
             raise UsageError(f"joint torques: names: {n} are needed, {len(self.names)} given")
-        if not max(np.abs(self.jacobian).max(), np.abs(self.gravity_torque).max()) <= LARGEST_NUMBER:
-            what = f"not finite, or beyond {LARGEST_NUMBER:g}"
+        if not max(np.abs(self.jacobian).max(), np.abs(self.gravity_torque).max()) <= MAX_NUMBER:
+            what = f"not finite, or beyond {MAX_NUMBER:g}"
             raise UsageError(f"joint torques: the jacobian or the gravity torque has a value that is {what}")
         if not (self.torque_limit >= 0).all():
             raise UsageError(f"joint torques: torque_limit: {self.torque_limit.tolist()} has a value that is not >= 0")

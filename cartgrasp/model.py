@@ -22,7 +22,7 @@ from .checks import brief, digits
 from .effects import ForceEffect, InertiaEffect
 from .effects.compiled import CompiledForce, CompiledInertia
 from .effects.effect import SMOOTHING_SPEED, Situation
-from .effects.hand_motion import AT_REST, HandMotion
+from .effects.hand_motion import HAND_AT_REST, HandMotion
 from .frames import Array
 from .inertia import N_PHI
 from .shared_property import SharedProperty
@@ -238,7 +238,7 @@ class CartModel(CartStructure):
         return HandMotion.of(nu @ self.basis_b.T, nu_rate @ self.basis_b.T, contact_b, yaw)
 
     def recorded_wrench(
-        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = AT_REST
+        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = HAND_AT_REST
     ) -> Array:
         """What the sensor of an arm, whose hand moves so, records of a true wrench (..., 6) in {a}."""
         parameters = self.parameters if parameters is None else parameters
@@ -252,7 +252,7 @@ class CartModel(CartStructure):
         return sum(effect.lateness for effect, _ in self.sensor_effects if effect.concerns(arm))
 
     def corrected_wrench(
-        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = AT_REST
+        self, arm: str, wrench_a: Array, parameters: Array | None = None, hand: HandMotion = HAND_AT_REST
     ) -> tuple[Array, Array]:
         """The true wrench (..., 6) behind one that was recorded while the hand moved so, and its partials by the
         parameters (..., 6, p)."""

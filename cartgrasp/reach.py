@@ -9,7 +9,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import LARGEST_NUMBER, numbers
+from .checks import MAX_NUMBER, numbers
 from .contacts import ContactSet, Segment
 from .errors import UsageError
 from .frames import Array
@@ -41,7 +41,7 @@ class Reach:
     @classmethod
     def box(cls, low: Sequence[float], high: Sequence[float]) -> Self:
         """All points between two corners (x, y, z) in {b}, m."""
-        low, high = (numbers("reach", corner, "(x, y, z) in {b}, m", -LARGEST_NUMBER) for corner in (low, high))
+        low, high = (numbers("reach", corner, "(x, y, z) in {b}, m", -MAX_NUMBER) for corner in (low, high))
         if not np.all(np.asarray(low) <= np.asarray(high)):
             raise UsageError(f"reach: {list(low)} and {list(high)} are not the lowest and the highest corner of a box")
         return cls(np.vstack([np.eye(3), -np.eye(3)]), np.concatenate([high, -np.asarray(low, dtype=float)]))

@@ -20,13 +20,13 @@ from .checks import number
 from .writing import write_atomically
 from .yaml_file import StrictModel, dump_yaml, file_error, read_yaml, validate
 
-AT_REST = 1e-9
+REST_SPEED_TOLERANCE = 1e-9
 """m/s and rad/s."""
-DIGITS = 6
-FASTEST = 100.0
+STORED_DIGITS = 6
+MAX_REFERENCE_SPEED = 100.0
 """m/s and rad/s: beyond, numbers are not in SI units."""
 
-LONGEST, STRONGEST = 1e5, 100.0
+MAX_STRETCH_DURATION, MAX_STRETCH_ACCELERATION = 1e5, 100.0
 """s or m; m/s² or rad/s²: what is beyond is a slip of units."""
 
 
@@ -39,9 +39,17 @@ class Stretch:
     yaw_acceleration: float = 0.0
 
     def __post_init__(self) -> None:
-        number("stretch: duration", self.duration, 0.0, LONGEST, "give s")
-        number("stretch: acceleration", self.acceleration, -STRONGEST, STRONGEST, "give m/s²")
-        number("stretch: yaw_acceleration", self.yaw_acceleration, -STRONGEST, STRONGEST, "give rad/s²")
+        number("stretch: duration", self.duration, 0.0, MAX_STRETCH_DURATION, "give s")
+        number(
+            "stretch: acceleration", self.acceleration, -MAX_STRETCH_ACCELERATION, MAX_STRETCH_ACCELERATION, "give m/s²"
+        )
+        number(
+            "stretch: yaw_acceleration",
+            self.yaw_acceleration,
+            -MAX_STRETCH_ACCELERATION,
+            MAX_STRETCH_ACCELERATION,
+            "give rad/s²",
+        )
 
 
 @dataclass(frozen=True)
@@ -59,7 +67,7 @@ class StoredReference:
     def save(self, path: str | os.PathLike[str]) -> Path:
         """As YAML that `read_reference` reads."""
         document = CommentedMap({"says": self.says} if self.says else {})
-        document["start"] = CommentedSeq(round(float(value), DIGITS) for value in self.start)
+        document["start"] = CommentedSeq(round(float(value), STORED_DIGITS) for value in self.start)
         document["start"].fa.set_flow_style()
         document["stretches"] = [_entry(stretch) for stretch in self.stretches]
         return write_atomically(path, dump_yaml(document))
@@ -84,10 +92,10 @@ def read_reference(path: str | os.PathLike[str]) -> StoredReference:
     speed = yaw_rate = 0.0
     for i, one in enumerate(entry.stretches):
         speed, yaw_rate = speed + one.duration * one.acceleration, yaw_rate + one.duration * one.yaw_acceleration
-        if max(abs(speed), abs(yaw_rate)) > FASTEST:
+        if max(abs(speed), abs(yaw_rate)) > MAX_REFERENCE_SPEED:
             why = f"leads to {speed:g} m/s and {yaw_rate:g} rad/s; speeds are in m/s, times in s"
             raise file_error(document, name, ["stretches", i], why)
-    if max(abs(speed), abs(yaw_rate)) > AT_REST:
+    if max(abs(speed), abs(yaw_rate)) > REST_SPEED_TOLERANCE:
         why = f"end with {speed:g} m/s and {yaw_rate:g} rad/s; they must end at rest"
         raise file_error(document, name, ["stretches"], why)
     stretches = (Stretch(one.duration, one.acceleration, one.yaw_acceleration) for one in entry.stretches)
@@ -97,7 +105,7 @@ def read_reference(path: str | os.PathLike[str]) -> StoredReference:
 
 def _entry(stretch: Stretch) -> CommentedMap:
     """Without what is zero."""
-    values = {name: round(float(value), DIGITS) for name, value in vars(stretch).items()}
+    values = {name: round(float(value), STORED_DIGITS) for name, value in vars(stretch).items()}
     entry = CommentedMap({name: value for name, value in values.items() if value})
     entry.fa.set_flow_style()
     return entry

@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from .checks import LARGEST_NUMBER, number
+from .checks import MAX_NUMBER, number
 from .errors import UsageError
-from .friction import EXACT, LARGEST_FRICTION
+from .friction import EXACT, MAX_FRICTION
 
 NORMALS = ("x", "y", "z")
-FEWEST, MOST = 3, 32  # sides
+MIN_CONE_SIDES, MAX_CONE_SIDES = 3, 32  # sides
 
 
 @dataclass(frozen=True)
@@ -49,12 +49,12 @@ class SoftFinger:
     sides: int | str = 8
 
     def __post_init__(self) -> None:
-        number("soft finger: mu", self.mu, 0.0, LARGEST_FRICTION)
+        number("soft finger: mu", self.mu, 0.0, MAX_FRICTION)
         number("soft finger: twist_radius", self.twist_radius, 1e-4, 10.0, "give m")
-        number("soft finger: grip", self.grip, 0.0, LARGEST_NUMBER, "give N")
+        number("soft finger: grip", self.grip, 0.0, MAX_NUMBER, "give N")
         if self.normal not in NORMALS:
             raise UsageError(f'soft finger: normal: {self.normal!r} is neither "x", "y" nor "z"')
         whole = isinstance(self.sides, int | np.integer) and not isinstance(self.sides, bool)
-        if self.sides != EXACT and not (whole and FEWEST <= int(self.sides) <= MOST):
-            why = f'is neither a whole number of {FEWEST} to {MOST} nor "{EXACT}"'
+        if self.sides != EXACT and not (whole and MIN_CONE_SIDES <= int(self.sides) <= MAX_CONE_SIDES):
+            why = f'is neither a whole number of {MIN_CONE_SIDES} to {MAX_CONE_SIDES} nor "{EXACT}"'
             raise UsageError(f"soft finger: sides: {self.sides!r} {why}")

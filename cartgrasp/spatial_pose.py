@@ -10,7 +10,7 @@ from numpy.typing import ArrayLike
 from .errors import UsageError
 from .frames import Array, rotation_z
 
-ORTHONORMAL = 1e-9
+ORTHONORMAL_TOLERANCE = 1e-9
 """How far `R Rᵀ` may be from the identity: far above rounding, far below any mistake."""
 
 
@@ -28,7 +28,10 @@ class SpatialPose:
                 raise UsageError(f"pose: {field}: {values.tolist()} is not {shape} finite numbers")
             values.setflags(write=False)
             object.__setattr__(self, field, values)
-        if np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > ORTHONORMAL or np.linalg.det(self.rotation) < 0:
+        if (
+            np.abs(self.rotation @ self.rotation.T - np.eye(3)).max() > ORTHONORMAL_TOLERANCE
+            or np.linalg.det(self.rotation) < 0
+        ):
             raise UsageError(f"pose: rotation: {self.rotation.tolist()} is not a right-handed rotation")
 
     @classmethod

@@ -26,9 +26,9 @@ from .joint_torques import JointTorques
 from .spatial_pose import SpatialPose
 from .wheels import GRAVITY
 
-LEVEL = (0.0, 0.0, -GRAVITY)
-WIDEST = 1e3  # rad or m: what a joint has no more of
-AT_THE_ORIGIN = SpatialPose.of((0.0, 0.0, 0.0))
+LEVEL_GRAVITY = (0.0, 0.0, -GRAVITY)
+MAX_JOINT_RANGE = 1e3  # rad or m: what a joint has no more of
+IDENTITY_POSE = SpatialPose.of((0.0, 0.0, 0.0))
 
 
 class LinkMass(NamedTuple):
@@ -51,10 +51,10 @@ class UrdfArm:
     torque_limit: Array
     _model: Any
     _tool: int
-    pose_br: SpatialPose = AT_THE_ORIGIN
-    gravity_b: tuple[float, float, float] = LEVEL
+    pose_br: SpatialPose = IDENTITY_POSE
+    gravity_b: tuple[float, float, float] = LEVEL_GRAVITY
 
-    def placed(self, pose_br: SpatialPose, gravity_b: Sequence[float] = LEVEL) -> UrdfArm:
+    def placed(self, pose_br: SpatialPose, gravity_b: Sequence[float] = LEVEL_GRAVITY) -> UrdfArm:
         """This arm with its root elsewhere in {b}; gravity, m/s², is not along z where the floor slopes, and (0, 0, 0)
         leaves it out."""
         return replace(self, pose_br=pose_br, gravity_b=_gravity(self.file, gravity_b))
@@ -126,7 +126,7 @@ def read_urdf_arm(
     joints = tuple(model.names)[1:]
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)
     for joint, low, high in zip(joints, lower, upper, strict=True):
-        if not 0 < high - low <= WIDEST:
+        if not 0 < high - low <= MAX_JOINT_RANGE:
             raise UsageError(f"{file}: joint {joint}: no range: lower {low:g}, upper {high:g}")
     return UrdfArm(file, joints, lower, upper, _torque_limit(model, torque_limit, file), model, _link(model, tool))
 

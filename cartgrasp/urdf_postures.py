@@ -18,9 +18,9 @@ from .joint_torques import JointTorques, Point
 from .spatial_pose import SpatialPose
 from .urdf_arm import UrdfArm
 
-MOST = 1000
+MAX_CACHED_POSTURES = 1000
 """Contacts at which postures are remembered at most."""
-TURNS = "(roll, pitch, yaw), rad"
+ROLL_PITCH_YAW_FORM = "(roll, pitch, yaw), rad"
 
 
 class UrdfPostures:
@@ -37,7 +37,7 @@ class UrdfPostures:
     """
 
     def __init__(self, arm: UrdfArm, hand: Sequence[float] = (0.0, 0.0, 0.0), start: ArrayLike | None = None) -> None:
-        self._hand = numbers("urdf postures: hand", hand, TURNS, -math.tau, math.tau)
+        self._hand = numbers("urdf postures: hand", hand, ROLL_PITCH_YAW_FORM, -math.tau, math.tau)
         self._arm, self._start = arm, None if start is None else arm.checked(start)
         self._here: dict[Point, Posture] = {}
         self._before: dict[Point, Posture] = {}
@@ -51,7 +51,7 @@ class UrdfPostures:
     def posture(self, contact: Point) -> Posture:
         """With the tool at a contact in {b}, or as near as was found: look at `reached`."""
         if contact not in self._here:
-            if len(self._here) >= MOST:
+            if len(self._here) >= MAX_CACHED_POSTURES:
                 self.place(self._arm.pose_br)
             self._here[contact] = self._sought(contact)
         return self._here[contact]

@@ -14,7 +14,7 @@ from functools import cached_property
 import numpy as np
 from numpy.typing import ArrayLike
 
-from .checks import FARTHEST, number
+from .checks import MAX_DISTANCE, number
 from .errors import UsageError
 from .frames import Array
 
@@ -35,8 +35,12 @@ class Wheel:
     def __post_init__(self) -> None:
         if self.kind not in (FIXED, CASTER):
             raise UsageError(f"wheels: kind: {self.kind!r} is neither {FIXED!r} nor {CASTER!r}")
-        for what, value, low in (("x", self.x, -FARTHEST), ("y", self.y, -FARTHEST), ("trail", self.trail, 0.0)):
-            number(f"wheels: {what}", value, low, FARTHEST, "give m")
+        for what, value, low in (
+            ("x", self.x, -MAX_DISTANCE),
+            ("y", self.y, -MAX_DISTANCE),
+            ("trail", self.trail, 0.0),
+        ):
+            number(f"wheels: {what}", value, low, MAX_DISTANCE, "give m")
 
 
 @dataclass(frozen=True)

@@ -40,8 +40,8 @@ NOT_YAML = {
     "another document": "a second document; keep one, without `---`",
 }
 """By words of the parser's, which know no cure, ours."""
-MOST_VALUES = 100_000
-DEEPEST = 50
+MAX_YAML_VALUES = 100_000
+MAX_YAML_DEPTH = 50
 
 
 def read_yaml(path: str | os.PathLike[str]) -> CommentedMap:
@@ -134,8 +134,8 @@ def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:
     while waiting:
         node, depth = waiting.pop()
         seen += 1
-        if depth > DEEPEST or seen > MOST_VALUES:
-            why = f"is nested more than {DEEPEST} deep, or holds more than {MOST_VALUES} values"
+        if depth > MAX_YAML_DEPTH or seen > MAX_YAML_VALUES:
+            why = f"is nested more than {MAX_YAML_DEPTH} deep, or holds more than {MAX_YAML_VALUES} values"
             raise _refusal(name, node, why)
         if isinstance(node, Mapping):
             if any(key is None or isinstance(key, Mapping | tuple) for key in node):

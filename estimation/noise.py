@@ -7,7 +7,7 @@ from dataclasses import dataclass, fields
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -57,7 +57,7 @@ class FilterNoise:
 
     def __post_init__(self) -> None:
         for item in fields(self):
-            number(f"noise: {item.name}", getattr(self, item.name), 0.0, LARGEST_FLOAT)
+            number(f"noise: {item.name}", getattr(self, item.name), 0.0, MAX_FLOAT)
 
     def sideways(self, cart: CartModel) -> float:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""

@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, listed, number
+from cartgrasp.checks import MAX_NUMBER, check_kind, check_known, listed, number
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
@@ -53,12 +53,12 @@ class Prior:
 
     def __post_init__(self) -> None:
         for name in ("mass", "com", "inertia", "effects"):
-            number(f"prior: {name}", getattr(self, name), 0.0, LARGEST_NUMBER, "give one standard deviation")
+            number(f"prior: {name}", getattr(self, name), 0.0, MAX_NUMBER, "give one standard deviation")
         form = 'write known={"mass"}, a set of names'
         object.__setattr__(self, "known", frozenset(listed("prior: known", self.known, str, form)))
         check_kind("prior: std", self.std, Mapping, "write {'mass': 2.0}")
         for name, std in self.std.items():
-            number(f"prior: std of {name}", std, 0.0, LARGEST_NUMBER, "give one standard deviation")
+            number(f"prior: std of {name}", std, 0.0, MAX_NUMBER, "give one standard deviation")
 
     def free(self, cart: CartModel) -> np.ndarray:
         """Indices of the parameters (p,) `(phi | effects' values)` that are estimated. Of a body of which only a part

@@ -13,7 +13,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, brief, check_kind, listed, number, positive
+from cartgrasp.checks import MAX_FLOAT, brief, check_kind, listed, number, positive
 from cartgrasp.collector import freeze_what_lives
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
@@ -105,7 +105,7 @@ class WrenchPlanner:
         solver: str | None = None,
         period: float = DEFAULT_PERIOD,
     ) -> None:
-        number("min_hand_distance", min_hand_distance, 0.0, LARGEST_FLOAT, "give m")
+        number("min_hand_distance", min_hand_distance, 0.0, MAX_FLOAT, "give m")
         positive("period", period, MAX_PERIOD, "give s")
         number("relax", relax, 0.0, math.inf, "give N and N·m")
         check_kind("search_limit", search_limit, SearchLimit, "write SearchLimit(solves=5000)")

@@ -23,7 +23,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.motion import Reference
-from cartgrasp.reference_file import LONGEST, STRONGEST, Stretch
+from cartgrasp.reference_file import MAX_STRETCH_ACCELERATION, MAX_STRETCH_DURATION, Stretch
 
 __all__ = ["PathReference", "Stretch", "chain", "pause", "speed_change", "straight", "turn"]
 
@@ -161,7 +161,7 @@ class PathReference:
 
 def straight(distance: float, speed: float, acceleration: float = 0.5) -> list[Stretch]:
     """From rest to rest along a line with steps of acceleration; a negative distance drives backward."""
-    distance = number("straight: distance", distance, -LONGEST, LONGEST, "give m")
+    distance = number("straight: distance", distance, -MAX_STRETCH_DURATION, MAX_STRETCH_DURATION, "give m")
     _check_rates("straight", speed, acceleration, ("m/s", "m/s²"))
     direction, distance = float(np.sign(distance)), abs(distance)
     ramp = min(speed / acceleration, (distance / acceleration) ** 0.5)
@@ -182,7 +182,7 @@ def turn(angle: float, yaw_rate: float, yaw_acceleration: float = 0.5) -> list[S
 
 def _check_rates(what: str, speed: float, acceleration: float, units: tuple[str, str]) -> None:
     positive(f"{what}: speed", speed, MAX_REFERENCE_SPEED, f"give {units[0]}")
-    positive(f"{what}: acceleration", acceleration, STRONGEST, f"give {units[1]}")
+    positive(f"{what}: acceleration", acceleration, MAX_STRETCH_ACCELERATION, f"give {units[1]}")
 
 
 def speed_change(change: float, acceleration: float = 0.5) -> list[Stretch]:

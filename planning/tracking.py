@@ -18,7 +18,7 @@ from typing import final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, number
+from cartgrasp.checks import MAX_NUMBER, number
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -38,7 +38,7 @@ class Gains:
 
     def __post_init__(self) -> None:
         for name in ("along", "across", "heading", "velocity"):
-            number(f"gains: {name}", getattr(self, name), 0.0, LARGEST_NUMBER)
+            number(f"gains: {name}", getattr(self, name), 0.0, MAX_NUMBER)
 
     @property
     def numbers(self) -> tuple[float, float, float, float]:

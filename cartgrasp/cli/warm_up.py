@@ -14,7 +14,7 @@ from planning import WrenchPlanner
 
 from ..arms import Arm
 from ..compile_notice import compiling, telling
-from ..compiling import ENTRIES
+from ..compiling import ENTRY_KERNELS
 from ..inertia import Inertia
 from ..model import CartModel
 from ..wheels import Wheel
@@ -75,5 +75,5 @@ def asked_for() -> list[Any]:
         "estimation.online.disturbance.disturbed_filter",
     ):
         import_module(room)
-    ours = (kernel for kernel in ENTRIES if ".kernels." in kernel.py_func.__module__)
+    ours = (kernel for kernel in ENTRY_KERNELS if ".kernels." in kernel.py_func.__module__)
     return [kernel for kernel in ours if kernel.py_func.__name__ not in OTHERS]

@@ -28,11 +28,11 @@ from ..wheels import DEFAULT_TRAIL, WheelSet
 from .effect import Parameter
 from .wheel_force import WheelForce
 
-SMOOTHING_RATE = 0.2
+DEFAULT_SMOOTHING_RATE = 0.2
 """rad/s: usual `smoothing_rate`."""
-SHARPEST = 0.01
+MIN_SMOOTHING_RATE = 0.01
 """rad/s: Coulomb's friction has none; the smaller it is, the stiffer is the model."""
-USUAL_X = 0.8
+TYPICAL_CASTER_X = 0.8
 """m."""
 
 
@@ -47,23 +47,23 @@ class CasterRealignment(WheelForce):
     trail: float = 0.0
     x: float = 0.0
     scrub_torque: float = 0.0
-    smoothing_rate: float = SMOOTHING_RATE
+    smoothing_rate: float = DEFAULT_SMOOTHING_RATE
 
     name: ClassVar[str] = "caster_realignment"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
-        Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(USUAL_X,)),
+        Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(TYPICAL_CASTER_X,)),
         Parameter("scrub_torque", "N·m", typical=0.05, lower=0.0, optional=True),
         Parameter(
             "smoothing_rate",
             "rad/s",
             typical=0.1,
-            lower=SHARPEST,
+            lower=MIN_SMOOTHING_RATE,
             upper=1.0,
-            absent=SMOOTHING_RATE,
+            absent=DEFAULT_SMOOTHING_RATE,
             optional=True,
-            grid=(SMOOTHING_RATE,),
+            grid=(DEFAULT_SMOOTHING_RATE,),
         ),
     )
     drives_memory: ClassVar[bool] = True

@@ -13,7 +13,7 @@ import numpy as np
 
 from ..frames import Array, skew
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 LEVERS = skew(np.eye(3)[:2])
 """What a metre along x, and along y, makes of a force: moments (2, 3, 3)."""
@@ -35,10 +35,10 @@ class ContactOffset(SensorEffect):
     )
     signature: ClassVar[str] = "a yaw moment in proportion to one hand's force"
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray((_shifted(-parameters) @ wrench_a[..., None])[..., 0])
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         shift = _shifted(parameters)
         value = np.asarray((shift @ wrench_a[..., None])[..., 0])
         by_parameters = np.zeros((*value.shape, 2))

@@ -24,13 +24,13 @@ from ..constraints import RollingConstraints
 from ..errors import SettingError, UsageError
 from ..frames import Array
 from ..wheels import WheelSet
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 SMOOTHING_SPEED = 0.002
 """m/s: below it a Coulomb force fades to zero, so that dynamics stay smooth."""
 
 
-USUAL_SPREAD = 0.5
+TYPICAL_MEMORY_SPREAD = 0.5
 """Usual spread of a memory about its first value, in its own unit: rad for an angle."""
 
 
@@ -215,7 +215,7 @@ class ForceEffect(Effect):
 
     def memory_spread(self, wheels: WheelSet) -> Array:
         """How far (k,) the true memory may be from the first; in proportion to it, what is believed of it fades."""
-        return np.full(len(self.memory_names(wheels)), USUAL_SPREAD)
+        return np.full(len(self.memory_names(wheels)), TYPICAL_MEMORY_SPREAD)
 
     memory_is_seen: ClassVar[bool] = False
     """Whether the motion alone tells its memory, such as a way; else it may be another than it is believed to be."""
@@ -315,11 +315,11 @@ class SensorEffect(Effect):
         return self.label in ("", arm)
 
     @abstractmethod
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         """What the sensor records of a true wrench."""
 
     @abstractmethod
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         """The true wrench behind a recorded one, with partials by parameters (..., 6, p) and, as `by_memory`,
         by the recorded wrench (..., 6, 6; None: the identity)."""
 

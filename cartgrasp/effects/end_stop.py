@@ -8,9 +8,9 @@ smaller x (`side` 1) or at larger x (`side` -1). With the depth d = side (x - po
 - `stiffness` k and `damping` c: a force of k d + c d' while d > 0 and that is positive: a stop pushes and never pulls.
   A free mass m is in touch for pi sqrt(m / k) without damping.
 
-The force begins over `EDGE` of depth, with s(d) = (1 + tanh(d / EDGE)) / 2, and ends as smoothly:
+The force begins over a depth h (`SMOOTHING_DEPTH`), with s(d) = (1 + tanh(d / h)) / 2, and ends as smoothly:
 
-    f = s(d) (q + sqrt(q² + (k EDGE)²)) / 2,    q = k (integral of s) + c d'.
+    f = s(d) (q + sqrt(q² + (k h)²)) / 2,    q = k (integral of s) + c d'.
 
 It is learned from impacts, not from a balance of forces, so nothing of it is estimated with the rest.
 """
@@ -24,9 +24,9 @@ from typing import ClassVar, final
 from .compiled import CompiledForce
 from .effect import Parameter, Wall
 
-EDGE = 0.001
+SMOOTHING_DEPTH = 0.001
 """m: the force begins within twice this, which is less than a bumper of rubber gives under its own weight."""
-NO_BOUNCE = -1.0
+NO_RESTITUTION = -1.0
 """As a restitution: d' stays as it is."""
 
 
@@ -38,7 +38,7 @@ class EndStop(CompiledForce):
 
     position: float = 0.0
     side: float = 1.0
-    restitution: float = NO_BOUNCE
+    restitution: float = NO_RESTITUTION
     stiffness: float = 0.0
     damping: float = 0.0
 
@@ -46,7 +46,7 @@ class EndStop(CompiledForce):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("position", "m", typical=1.0, estimated=False),
         Parameter("side", "-", typical=1.0, lower=-1.0, upper=1.0, absent=1.0, estimated=False),
-        Parameter("restitution", "-", typical=0.5, lower=-1.0, upper=1.0, absent=NO_BOUNCE, estimated=False),
+        Parameter("restitution", "-", typical=0.5, lower=-1.0, upper=1.0, absent=NO_RESTITUTION, estimated=False),
         Parameter("stiffness", "N/m", typical=1e4, lower=0.0, estimated=False),
         Parameter("damping", "N·s/m", typical=100.0, lower=0.0, estimated=False),
     )
@@ -55,7 +55,7 @@ class EndStop(CompiledForce):
 
     @property
     def constants(self) -> tuple[float, ...]:
-        return (EDGE,)
+        return (SMOOTHING_DEPTH,)
 
     @property
     def wall(self) -> Wall | None:

@@ -2,7 +2,7 @@
 
     fx = force * w(t),    tau = moment * w(t),    w = step(t - start) - step(t - start - duration)
 
-with steps smoothed over `RISE`. The integral of w is the duration, however short, so the impulse is exact.
+with steps smoothed over `RISE_TIME`. The integral of w is the duration, however short, so the impulse is exact.
 """
 
 from __future__ import annotations
@@ -13,7 +13,7 @@ from typing import ClassVar, final
 from .compiled import CompiledForce
 from .effect import Gate, Parameter
 
-RISE = 0.005
+RISE_TIME = 0.005
 """s: the push goes from 12 % to 88 % within twice this."""
 
 
@@ -39,4 +39,4 @@ class ExternalPush(CompiledForce):
 
     @property
     def constants(self) -> tuple[float, ...]:
-        return (RISE,)
+        return (RISE_TIME,)

@@ -1,7 +1,7 @@
 """A region of the floor that rolls harder: a carpet, a mat, gravel.
 
 Each wheel drags `coefficient * load` more, along its own rolling (`rolling_resistance.py`), while it is in a
-rectangle of the world. Its share inside is the product of four edges, each smoothed over `EDGE`.
+rectangle of the world. Its share inside is the product of four edges, each smoothed over `SMOOTHING_LENGTH`.
 
 Carpet adds 0.012 in the mean to what wheelchairs have on linoleum (Hoffman et al., American Journal of Physical
 Medicine & Rehabilitation 82, 2003, 880-889), and doubles what hard rubber has on concrete (`rolling_resistance.py`).
@@ -15,7 +15,7 @@ from typing import ClassVar, final
 from .effect import Gate, Parameter
 from .wheel_force import WheelForce
 
-EDGE = 0.005
+SMOOTHING_LENGTH = 0.005
 """m: a wheel's share inside goes from 12 % to 88 % within twice this."""
 
 
@@ -44,4 +44,4 @@ class FloorPatch(WheelForce):
 
     @property
     def constants(self) -> tuple[float, ...]:
-        return (EDGE,)
+        return (SMOOTHING_LENGTH,)

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..frames import PLANAR, Array
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 
 @final
@@ -29,10 +29,10 @@ class ForceBias(SensorEffect):
     )
     signature: ClassVar[str] = "a constant force and moment, also at rest, that keeps its sign when the motion turns"
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return wrench_a + self._offset(parameters)
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         by_parameters = np.zeros((6, 3))
         by_parameters[PLANAR, (0, 1, 2)] = -1.0
         value = wrench_a - self._offset(parameters)

@@ -12,10 +12,10 @@ import numpy as np
 
 from ..frames import Array
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 QUARTER_TURN = np.kron(np.eye(2), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
-ALONG_Z = np.diag([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
+Z_PROJECTION = np.diag([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])
 
 
 @final
@@ -29,10 +29,10 @@ class ForceMisalignment(SensorEffect):
     parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),)
     signature: ClassVar[str] = "a side force in proportion to the forward force, and the other way round"
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray((_turn(-parameters[..., 0]) @ wrench_a[..., None])[..., 0])
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         turn = _turn(parameters[..., 0])
         value = np.asarray((turn @ wrench_a[..., None])[..., 0])
         return Contribution(value, by_memory=turn, by_parameters=QUARTER_TURN @ value[..., None])
@@ -41,4 +41,4 @@ class ForceMisalignment(SensorEffect):
 def _turn(angle: Array) -> Array:
     """Rz(angle) on force and moment, shape (..., 6, 6)."""
     cosine, sine = np.cos(angle)[..., None, None], np.sin(angle)[..., None, None]
-    return np.asarray(ALONG_Z + cosine * (np.eye(6) - ALONG_Z) + sine * QUARTER_TURN)
+    return np.asarray(Z_PROJECTION + cosine * (np.eye(6) - Z_PROJECTION) + sine * QUARTER_TURN)

@@ -12,7 +12,7 @@ import numpy as np
 
 from ..frames import Array
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 
 @final
@@ -28,10 +28,10 @@ class ForceScale(SensorEffect):
     )
     signature: ClassVar[str] = "every wrench is too large or too small in the same proportion"
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray(parameters * wrench_a)
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         value = wrench_a / parameters
         return Contribution(
             value,

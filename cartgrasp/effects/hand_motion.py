@@ -30,4 +30,4 @@ class HandMotion(NamedTuple):
         return cls(np.concatenate([in_a, np.zeros((*in_a.shape[:-1], 1))], axis=-1), r, r_rate)
 
 
-AT_REST = HandMotion(np.zeros(3), np.zeros(()), np.zeros(()))
+HAND_AT_REST = HandMotion(np.zeros(3), np.zeros(()), np.zeros(()))

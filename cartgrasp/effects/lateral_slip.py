@@ -15,9 +15,9 @@ from typing import ClassVar, Self, final
 
 from .effect import ConstraintEffect, Parameter
 
-RIGID = 1e9
+RIGID_STIFFNESS = 1e9
 """N/rad: from here on nothing creeps."""
-USUAL = 1000.0
+TYPICAL_STIFFNESS = 1000.0
 """N/rad."""
 
 
@@ -26,21 +26,23 @@ USUAL = 1000.0
 class LateralSlip(ConstraintEffect):
     """All fixed wheels together have `cornering_stiffness` (N/rad)."""
 
-    cornering_stiffness: float = RIGID
+    cornering_stiffness: float = RIGID_STIFFNESS
 
     name: ClassVar[str] = "lateral_slip"
     parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("cornering_stiffness", "N/rad", typical=RIGID, lower=10.0, absent=RIGID, estimated=False),
+        Parameter(
+            "cornering_stiffness", "N/rad", typical=RIGID_STIFFNESS, lower=10.0, absent=RIGID_STIFFNESS, estimated=False
+        ),
     )
     signature: ClassVar[str] = "a velocity across the wheels in proportion to speed times side force"
 
     @classmethod
     def usual(cls, label: str) -> Self:
-        return cls(USUAL, label=label)
+        return cls(TYPICAL_STIFFNESS, label=label)
 
     def scaled(self, share: float) -> Self:
-        return self.with_values([self.cornering_stiffness / max(share, self.cornering_stiffness / RIGID)])
+        return self.with_values([self.cornering_stiffness / max(share, self.cornering_stiffness / RIGID_STIFFNESS)])
 
     @property
     def slip_compliance(self) -> float:
-        return 1.0 / self.cornering_stiffness if self.cornering_stiffness < RIGID else 0.0
+        return 1.0 / self.cornering_stiffness if self.cornering_stiffness < RIGID_STIFFNESS else 0.0

@@ -18,16 +18,18 @@ the cart. The variables:
     speed                m/s: v; of drag, abs(v)
     yaw_rate             rad/s: r
     place                m: how far along `direction` of {s}, or, with `knots_y`, the place's x and y
-    since_reversal       m: abs(q), of a way q that counts on in the direction of motion and back over `TURN`:
-                         q' = v (1 + b / TURN), b being how far q is on the other side of 0 than v goes, rounded by TURN
+    since_reversal       m: abs(q), of a way q that counts on in the direction of motion and back over h, which is
+                         `REVERSAL_LENGTH`: q' = v (1 + b / h), b being how far q is on the other side of 0 than v goes,
+                         rounded by h
 
-At q = D a reversal is told after TURN log(1 + D / TURN) on the way back, 5 cm after 2 m, whatever the speed; a stop
-counts for nothing. Before the first it has been long ago.
+At q = D a reversal is told after h log(1 + D / h) on the way back, 5 cm after 2 m, whatever the speed; a stop counts
+for nothing. Before the first it has been long ago.
 
 With a `period`, the shares are cos_k and sin_k of k 2 pi s / period, k being one of `harmonics`. Without, they
 interpolate: share i is 1 at the i-th of `knots` and 0 at its neighbours, linear between, constant beyond the first and
-the last; corners are averaged over `ROUNDED` of the shortest gap to either side, with the weight 3 (1 - t²) / 4. Beside
-`knots_y` shares are products of one along x and one along y. Without period or knots the force is constant.
+the last; corners are averaged over `ROUNDING_FRACTION` of the shortest gap to either side, with the weight
+3 (1 - t²) / 4. Beside `knots_y` shares are products of one along x and one along y. Without period or knots the force
+is constant.
 """
 
 from __future__ import annotations
@@ -47,19 +49,19 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter, Setting
 
-ACTS_ON = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force", "viscous_drag")
-AT_A_LEVER, AHEAD = ("forward_force", "drag", "viscous_drag"), ("lateral_force", "world_force")
-OF = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
+TARGET_NAMES = ("forward_force", "lateral_force", "yaw_moment", "drag", "world_force", "viscous_drag")
+LEVER_TARGETS, AHEAD_TARGETS = ("forward_force", "drag", "viscous_drag"), ("lateral_force", "world_force")
+VARIABLE_NAMES = ("time", "travelled_distance", "heading", "speed", "yaw_rate", "place", "since_reversal")
 """The variables, in the order in which the kernel counts them."""
-WAYS = ("travelled_distance", "since_reversal")
+MEMORY_VARIABLES = ("travelled_distance", "since_reversal")
 """What is remembered."""
-ROUNDED = 0.25
-TURN = 0.01
+ROUNDING_FRACTION = 0.25
+REVERSAL_LENGTH = 0.01
 """m: a reversal is told within some of it."""
-LONG_AGO = 2.0
+INITIAL_REVERSAL_DISTANCE = 2.0
 """m: way since a reversal that lies before the first observation."""
-MOST_HARMONIC, MOST_AMPLITUDES = 100.0, 400
-LEAST = 1e-6
+MAX_HARMONIC, MAX_AMPLITUDES = 100.0, 400
+MIN_PERIOD_OR_GAP = 1e-6
 """Least period, and least gap between knots, in the variable's unit."""
 
 
@@ -86,8 +88,8 @@ class LearnedForce(CompiledForce):
 
     name: ClassVar[str] = "learned_force"
     settings: ClassVar[tuple[Setting, ...]] = (
-        Setting("acts_on", words=ACTS_ON),
-        Setting("of", words=OF),
+        Setting("acts_on", words=TARGET_NAMES),
+        Setting("of", words=VARIABLE_NAMES),
         Setting("direction"),
         Setting("lever"),
         Setting("ahead"),
@@ -119,27 +121,27 @@ class LearnedForce(CompiledForce):
 
     def _misfits(self) -> list[tuple[str, str]]:
         """Names of what does not go with the rest, and why."""
-        of_wheel = self.acts_on == "yaw_moment" and self.of in (*WAYS, "speed")
-        at_wheel, along = self.acts_on in AT_A_LEVER or of_wheel, self.of == "place" and not self.knots_y
+        of_wheel = self.acts_on == "yaw_moment" and self.of in (*MEMORY_VARIABLES, "speed")
+        at_wheel, along = self.acts_on in LEVER_TARGETS or of_wheel, self.of == "place" and not self.knots_y
         given = {item.name for item in fields(self) if getattr(self, item.name) != item.default}
         tests = (
-            ("lever", not at_wheel, f"only one of {', '.join(AT_A_LEVER)} has one"),
-            ("ahead", self.acts_on not in AHEAD, f"only one of {', '.join(AHEAD)} acts ahead"),
+            ("lever", not at_wheel, f"only one of {', '.join(LEVER_TARGETS)} has one"),
+            ("ahead", self.acts_on not in AHEAD_TARGETS, f"only one of {', '.join(AHEAD_TARGETS)} acts ahead"),
             ("direction", self.acts_on != "world_force" and not along, "only a world_force or a way along it has one"),
-            ("period", self.period < LEAST, f"{self.period:g} is below {LEAST:g}"),
+            ("period", self.period < MIN_PERIOD_OR_GAP, f"{self.period:g} is below {MIN_PERIOD_OR_GAP:g}"),
             ("period", self.of == "heading", "a heading repeats every turn; leave it out"),
             ("knots", bool(self.cycle), "what repeats has harmonics; leave them out"),
             ("harmonics", not self.cycle, "only what repeats has some; give a period"),
             (
                 "harmonics",
                 not self.harmonics or not all(map(_is_harmonic, self.harmonics)),
-                f"some whole numbers from 0 to {MOST_HARMONIC:g}",
+                f"some whole numbers from 0 to {MAX_HARMONIC:g}",
             ),
             ("knots_y", self.of != "place" or len(self.knots) < 2, "only a place with knots along x has some"),
             ("knots_y", len(self.knots_y) < 2, "two are needed"),
-            ("knots", _shortest(self.knots) < LEAST, f"two stand closer than {LEAST:g}"),
-            ("knots_y", _shortest(self.knots_y) < LEAST, f"two stand closer than {LEAST:g}"),
-            ("knots", len(self._names()) > MOST_AMPLITUDES, f"more than {MOST_AMPLITUDES} amplitudes"),
+            ("knots", _shortest(self.knots) < MIN_PERIOD_OR_GAP, f"two stand closer than {MIN_PERIOD_OR_GAP:g}"),
+            ("knots_y", _shortest(self.knots_y) < MIN_PERIOD_OR_GAP, f"two stand closer than {MIN_PERIOD_OR_GAP:g}"),
+            ("knots", len(self._names()) > MAX_AMPLITUDES, f"more than {MAX_AMPLITUDES} amplitudes"),
         )
         return [(name, why) for name, is_wrong, why in tests if name in given and is_wrong]
 
@@ -182,19 +184,26 @@ class LearnedForce(CompiledForce):
         x, y = self.knots or (0.0,), self.knots_y or (0.0,)
         lists = self.harmonics if self.cycle else (*x, *y)
         count = len(self.harmonics if self.cycle else x)
-        form = ACTS_ON.index(self.acts_on), OF.index(self.of), self.direction, self.lever, self.ahead, self.cycle
-        rounded = ROUNDED * _shortest(x), ROUNDED * _shortest(y)
-        return (*map(float, form), *rounded, TURN, float(count), *lists)
+        form = (
+            TARGET_NAMES.index(self.acts_on),
+            VARIABLE_NAMES.index(self.of),
+            self.direction,
+            self.lever,
+            self.ahead,
+            self.cycle,
+        )
+        rounded = ROUNDING_FRACTION * _shortest(x), ROUNDING_FRACTION * _shortest(y)
+        return (*map(float, form), *rounded, REVERSAL_LENGTH, float(count), *lists)
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:
-        return float(OF.index(self.of)), self.lever
+        return float(VARIABLE_NAMES.index(self.of)), self.lever
 
     def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
-        return (f"{self.key}.way",) if self.of in WAYS else ()
+        return (f"{self.key}.way",) if self.of in MEMORY_VARIABLES else ()
 
     def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
-        began = math.copysign(LONG_AGO, velocity_b[0]) if self.of == "since_reversal" else 0.0
+        began = math.copysign(INITIAL_REVERSAL_DISTANCE, velocity_b[0]) if self.of == "since_reversal" else 0.0
         return np.full(len(self.memory_names(wheels)), began)
 
     def memory_spread(self, wheels: WheelSet) -> Array:
@@ -202,7 +211,7 @@ class LearnedForce(CompiledForce):
 
 
 def _is_harmonic(k: float) -> bool:
-    return k == int(k) and 0 <= k <= MOST_HARMONIC
+    return k == int(k) and 0 <= k <= MAX_HARMONIC
 
 
 def _shortest(knots: tuple[float, ...]) -> float:
@@ -219,6 +228,6 @@ def _hats(at: Array, knots: tuple[float, ...]) -> Array:
 
 
 def _ramp(distance: Array, knots: tuple[float, ...]) -> Array:
-    width = ROUNDED * _shortest(knots)
+    width = ROUNDING_FRACTION * _shortest(knots)
     t = np.clip(distance / width, -1.0, 1.0)
     return np.asarray(width * (0.1875 + t * (0.5 + t * (0.375 - 0.0625 * t * t))) + np.maximum(distance - width, 0.0))

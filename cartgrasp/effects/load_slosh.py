@@ -24,7 +24,7 @@ from ..wheels import WheelSet
 from .compiled import CompiledForce
 from .effect import Parameter
 
-FREQUENCIES, DAMPINGS = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
+FREQUENCY_GRID, DAMPING_GRID = (0.4, 0.6, 0.85, 1.2, 1.7, 2.4), (0.05, 0.2)
 
 
 @final
@@ -44,9 +44,9 @@ class LoadSlosh(CompiledForce):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("mass", "kg", typical=3.0, lower=0.0),
         Parameter(
-            "frequency", "Hz", typical=0.5, lower=0.05, upper=20.0, absent=1.0, estimated=False, grid=FREQUENCIES
+            "frequency", "Hz", typical=0.5, lower=0.05, upper=20.0, absent=1.0, estimated=False, grid=FREQUENCY_GRID
         ),
-        Parameter("damping", "-", typical=0.05, lower=0.0, upper=2.0, absent=0.05, estimated=False, grid=DAMPINGS),
+        Parameter("damping", "-", typical=0.05, lower=0.0, upper=2.0, absent=0.05, estimated=False, grid=DAMPING_GRID),
     )
     signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
 

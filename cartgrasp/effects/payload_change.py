@@ -8,7 +8,7 @@ from typing import ClassVar, final
 from .compiled import CompiledInertia
 from .effect import Gate, Parameter
 
-PLACES = (-0.3, 0.0, 0.3)
+PAYLOAD_POSITION_GRID = (-0.3, 0.0, 0.3)
 
 
 @final
@@ -28,8 +28,8 @@ class PayloadChange(CompiledInertia):
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("time", "s", typical=10.0, estimated=False),
         Parameter("mass", "kg", typical=5.0),
-        Parameter("x", "m", typical=0.2, grid=PLACES),
-        Parameter("y", "m", typical=0.2, grid=PLACES),
+        Parameter("x", "m", typical=0.2, grid=PAYLOAD_POSITION_GRID),
+        Parameter("y", "m", typical=0.2, grid=PAYLOAD_POSITION_GRID),
     )
     gate: ClassVar[Gate] = Gate.FROM
     signature: ClassVar[str] = "mass and CoM differ before and after an instant"

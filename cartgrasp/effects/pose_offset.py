@@ -13,7 +13,7 @@ import numpy as np
 
 from ..frames import Array
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
 
 @final
@@ -39,9 +39,9 @@ class PoseOffset(SensorEffect):
     def pose_tb(self, parameters: Array) -> Array:
         return parameters
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return wrench_a
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
         return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=np.zeros((*lead, 6, 3)))

@@ -15,7 +15,7 @@ from typing import ClassVar, final
 from .effect import Parameter
 from .wheel_force import WheelForce
 
-SPEEDS = (0.03, 0.06, 0.12, 0.25)
+STRIBECK_SPEED_GRID = (0.03, 0.06, 0.12, 0.25)
 
 
 @final
@@ -30,7 +30,16 @@ class StribeckFriction(WheelForce):
     name: ClassVar[str] = "stribeck_friction"
     parameters: ClassVar[tuple[Parameter, ...]] = (
         Parameter("breakaway", "N", typical=5.0, lower=0.0),
-        Parameter("speed", "m/s", typical=0.05, lower=0.001, upper=10.0, absent=0.05, estimated=False, grid=SPEEDS),
+        Parameter(
+            "speed",
+            "m/s",
+            typical=0.05,
+            lower=0.001,
+            upper=10.0,
+            absent=0.05,
+            estimated=False,
+            grid=STRIBECK_SPEED_GRID,
+        ),
         Parameter("by_wheels", "-", typical=0.5, lower=0.0, upper=1.0, estimated=False, grid=(0.0, 1.0)),
     )
     signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"

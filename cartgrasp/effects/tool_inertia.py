@@ -17,11 +17,11 @@ import numpy as np
 
 from ..frames import Array, skew
 from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import AT_REST, HandMotion
+from .hand_motion import HAND_AT_REST, HandMotion
 
-G = 9.81
+GRAVITY = 9.81
 """m/s²."""
-AXES = skew(np.eye(3))
+AXIS_SKEWS = skew(np.eye(3))
 
 
 @final
@@ -45,10 +45,10 @@ class ToolInertia(SensorEffect):
     signature: ClassVar[str] = "a force in proportion to the acceleration of one hand, wherever it holds"
     feels_motion: ClassVar[bool] = True
 
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Array:
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray(wrench_a + _borne(parameters, _specific_force(parameters, hand)))
 
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = AT_REST) -> Contribution:
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
         mass, place = parameters[..., :1], parameters[..., 1:]
         force = _specific_force(parameters, hand)
         value = np.asarray(wrench_a - _borne(parameters, force))
@@ -64,13 +64,13 @@ class ToolInertia(SensorEffect):
 def _turning(hand: HandMotion) -> Array:
     """r' [z]x - r² of what turns, (..., 3, 3)."""
     rate, change = (np.asarray(part)[..., None, None] for part in (hand.yaw_rate, hand.yaw_acceleration))
-    return np.asarray(change * AXES[2] - rate**2 * np.diag([1.0, 1.0, 0.0]))
+    return np.asarray(change * AXIS_SKEWS[2] - rate**2 * np.diag([1.0, 1.0, 0.0]))
 
 
 def _specific_force(parameters: Array, hand: HandMotion) -> Array:
     """(..., 3), m/s²."""
     turned = (_turning(hand) @ parameters[..., 1:, None])[..., 0]
-    return np.asarray(hand.acceleration + turned + [0.0, 0.0, G])
+    return np.asarray(hand.acceleration + turned + [0.0, 0.0, GRAVITY])
 
 
 def _borne(parameters: Array, force: Array) -> Array:

@@ -5,8 +5,8 @@ Inverse dynamics are what is written down (physics.md); forward dynamics follow 
 
     Sᵀ wrench_b = Sᵀ (Y(v, S nu') phi - effects).
 
-Of phi's mass a part may swing along {b}'s x (`SWUNG`): it does not follow u', so that ms u' joins the effects, and M_b
-loses ms.
+Of phi's mass a part may swing along {b}'s x (`SWINGING_ROW`): it does not follow u', so that ms u' joins the effects,
+and M_b loses ms.
 """
 
 from __future__ import annotations
@@ -18,10 +18,10 @@ from cartgrasp.frames import Array
 
 from . import rigid_body
 from .jit import Ints, compiled
-from .situation import SWUNG, Own, Parts, Situation, Twist
+from .situation import SWINGING_ROW, EffectValues, Parts, Situation, Twist
 from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench, settle
 from .wheel_loads import carry
-from .workspace import MEMORY, PHI, POSE, VELOCITY, Workspace, copy
+from .workspace import MEMORY_COLUMN, PHI_COLUMN, POSE_COLUMN, VELOCITY_COLUMN, Workspace, copy
 
 
 class Point(NamedTuple):
@@ -54,7 +54,7 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
     sum_effects(m, point, situation(m, point, twist))
     if turn[0] != 0.0:
         for q in range(m.wrench.shape[1]):
-            m.wrench[0, q] += turn[0] * m.wrench[SWUNG, q]
+            m.wrench[0, q] += turn[0] * m.wrench[SWINGING_ROW, q]
     rigid, whole = rigid_body.regressor(twist, turn), mass_matrix(m)
     basis, n_free = m.basis, m.basis.shape[1]
     wrench[:], mass[:] = 0.0, 0.0
@@ -80,7 +80,7 @@ def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Ar
     reduced(m, point, acceleration, wrench, mass)  # which may stand where nu' does
     if len(by_parameters) == 0:
         return
-    basis, first = m.basis, MEMORY + len(m.memory_rate)
+    basis, first = m.basis, MEMORY_COLUMN + len(m.memory_rate)
     by_parameters[:] = 0.0
     for a in range(basis.shape[1]):
         for i in range(3):
@@ -90,7 +90,7 @@ def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Ar
             for q in range(len(point.parameters)):
                 by_parameters[a, q] -= along * m.wrench[i, first + q]
             for c in range(4):
-                by_phi = along * (rigid[i][c] - m.wrench[i, PHI + c])
+                by_phi = along * (rigid[i][c] - m.wrench[i, PHI_COLUMN + c])
                 _add_by_phi(m.phi_by_parameters[c], by_phi, by_parameters[a])
 
 
@@ -107,21 +107,21 @@ def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> No
             if along == 0.0:
                 continue
             for j in range(3):
-                out.by_state[a, j] -= along * wrench[i, POSE + j]
+                out.by_state[a, j] -= along * wrench[i, POSE_COLUMN + j]
                 for b in range(n_free):
-                    out.by_state[a, 3 + b] += along * (bias[i][j] - wrench[i, VELOCITY + j]) * basis[j, b]
+                    out.by_state[a, 3 + b] += along * (bias[i][j] - wrench[i, VELOCITY_COLUMN + j]) * basis[j, b]
             for k in range(n_memory):
-                out.by_state[a, 3 + n_free + k] -= along * wrench[i, MEMORY + k]
+                out.by_state[a, 3 + n_free + k] -= along * wrench[i, MEMORY_COLUMN + k]
     out.memory_rate_by_state[:] = 0.0
     for k in range(n_memory):
         rate = m.memory_rate[k]
         out.memory_rate[k] = rate[0]
         for j in range(3):
-            out.memory_rate_by_state[k, j] = rate[POSE + j]
+            out.memory_rate_by_state[k, j] = rate[POSE_COLUMN + j]
             for b in range(n_free):
-                out.memory_rate_by_state[k, 3 + b] += rate[VELOCITY + j] * basis[j, b]
-        copy(rate[MEMORY:], out.memory_rate_by_state[k, 3 + n_free :])
-        copy(rate[MEMORY + n_memory :], out.memory_rate_by_parameters[k])
+                out.memory_rate_by_state[k, 3 + b] += rate[VELOCITY_COLUMN + j] * basis[j, b]
+        copy(rate[MEMORY_COLUMN:], out.memory_rate_by_state[k, 3 + n_free :])
+        copy(rate[MEMORY_COLUMN + n_memory :], out.memory_rate_by_parameters[k])
 
 
 @compiled
@@ -180,8 +180,10 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
         for i in range(3):
             for c in range(4):
                 _add_by_phi(m.phi_by_parameters[c], m.basis[i, a] * still[i][c], out.by_parameters[a])
-        for q in range(p if m.wrench[SWUNG, 0] != 0.0 else 0):
-            out.by_parameters[a, q] -= m.basis[0, a] * x * m.wrench[SWUNG, MEMORY + len(m.memory_rate) + q]
+        for q in range(p if m.wrench[SWINGING_ROW, 0] != 0.0 else 0):
+            out.by_parameters[a, q] -= (
+                m.basis[0, a] * x * m.wrench[SWINGING_ROW, MEMORY_COLUMN + len(m.memory_rate) + q]
+            )
     solve(mass, out.by_state)
     solve(mass, out.by_parameters)
     by_parameters[:3] = 0.0
@@ -201,7 +203,7 @@ def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
         m.phi_by_parameters[c, c] += 1.0
     for e in range(len(m.effects)):
         kind, first, last = m.effects[e, 0], m.effects[e, 1], m.effects[e, 2]
-        own = Own(point.state[:0], point.parameters[first:last], m.constants[:0])
+        own = EffectValues(point.state[:0], point.parameters[first:last], m.constants[:0])
         add_phi_change(kind, point.time, own, m.phi, m.phi_by_parameters[:, first:last])
     carry(m.wheels, m.phi, m.gravity, (m.loads, m.carried, m.standing))
     return _carried(m, point, twist)
@@ -218,7 +220,7 @@ def _carried(m: Workspace, point: Point, twist: Twist) -> Situation:
 def mass_matrix(m: Workspace) -> tuple[Twist, Twist, Twist]:
     """M_b (3, 3), without what swings."""
     x, y, turn = rigid_body.mass_matrix(m.phi)
-    return (x[0] - m.wrench[SWUNG, 0], x[1], x[2]), y, turn
+    return (x[0] - m.wrench[SWINGING_ROW, 0], x[1], x[2]), y, turn
 
 
 @compiled
@@ -236,7 +238,7 @@ def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
 def hold(m: Workspace, mass: Array) -> None:
     """Where accelerations are solved for: lets no more swing, whatever the parameters, than leaves M_b positive, and
     mends `mass` (f, f), if there is any. Inverse dynamics stay linear in what swings, which fits need."""
-    swung, n_parameters = m.wrench[SWUNG], m.phi_by_parameters.shape[1]
+    swung, n_parameters = m.wrench[SWINGING_ROW], m.phi_by_parameters.shape[1]
     if swung[0] <= 0.0:
         return
     most, by_phi = rigid_body.most_swinging(m.phi)
@@ -287,22 +289,22 @@ def settle_all(m: Workspace, point: Point, at: Situation, memory: Array) -> None
 
 
 @compiled
-def own_of(m: Workspace, e: int, point: Point) -> Own:
+def own_of(m: Workspace, e: int, point: Point) -> EffectValues:
     effect, first = m.effects[e], 3 + m.basis.shape[1]
     memory = point.state[first + effect[3] : first + effect[4]]
-    return Own(memory, point.parameters[effect[1] : effect[2]], m.constants[effect[5] : effect[6]])
+    return EffectValues(memory, point.parameters[effect[1] : effect[2]], m.constants[effect[5] : effect[6]])
 
 
 @compiled
 def _parts(rows: Array, effect: Ints, n_memory: int) -> Parts:
     """Where an effect adds to rows of sums."""
-    first = MEMORY + n_memory
+    first = MEMORY_COLUMN + n_memory
     return Parts(
         rows[:, 0],
-        rows[:, POSE:VELOCITY],
-        rows[:, VELOCITY:PHI],
-        rows[:, PHI:MEMORY],
-        rows[:, MEMORY + effect[3] : MEMORY + effect[4]],
+        rows[:, POSE_COLUMN:VELOCITY_COLUMN],
+        rows[:, VELOCITY_COLUMN:PHI_COLUMN],
+        rows[:, PHI_COLUMN:MEMORY_COLUMN],
+        rows[:, MEMORY_COLUMN + effect[3] : MEMORY_COLUMN + effect[4]],
         rows[:, first + effect[1] : first + effect[2]],
     )
 

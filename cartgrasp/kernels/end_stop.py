@@ -1,4 +1,5 @@
-"""`effects/end_stop.py`: parameters position, side, restitution, stiffness, damping; the constant is `EDGE`."""
+"""`effects/end_stop.py`: parameters position, side, restitution, stiffness, damping; the constant is
+`SMOOTHING_DEPTH`."""
 
 from __future__ import annotations
 
@@ -7,12 +8,12 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 from .smooth import smooth_step
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     side, cosine, sine = own.parameters[1], math.cos(at.pose[2]), math.sin(at.pose[2])
     along, across = at.pose[0] - own.parameters[0], sine * at.velocity[0] + cosine * at.velocity[1]
     speed = cosine * at.velocity[0] - sine * at.velocity[1]
@@ -32,7 +33,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def _push(depth: float, rate: float, own: Own) -> tuple[float, float, float, float, float]:
+def _push(depth: float, rate: float, own: EffectValues) -> tuple[float, float, float, float, float]:
     """The force (N) against the cart, and its partials by depth, its rate, stiffness and damping."""
     stiffness, damping, width = own.parameters[3], own.parameters[4], own.constants[0]
     touch, touching = smooth_step(depth, width)

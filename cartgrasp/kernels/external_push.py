@@ -1,14 +1,14 @@
-"""`effects/external_push.py`: parameters start, duration, force, moment; the constant is `RISE`."""
+"""`effects/external_push.py`: parameters start, duration, force, moment; the constant is `RISE_TIME`."""
 
 from __future__ import annotations
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 from .smooth import smooth_step
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     since, duration = at.time - own.parameters[0], own.parameters[1]
     on, on_slope = smooth_step(since, own.constants[0])
     off, off_slope = smooth_step(since - duration, own.constants[0])

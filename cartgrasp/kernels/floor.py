@@ -7,11 +7,11 @@ from cartgrasp.frames import PLANAR, Array
 from . import rigid_body
 from .dynamics import Point, hold, lifted, mass_matrix, situation, solve, sum_effects
 from .jit import compiled
-from .situation import SWUNG
+from .situation import SWINGING_ROW
 from .wheel_loads import fill_map
-from .workspace import MEMORY, PHI, Workspace
+from .workspace import MEMORY_COLUMN, PHI_COLUMN, Workspace
 
-STILL = (0.0, 0.0, 0.0)
+ZERO_ACCELERATION = (0.0, 0.0, 0.0)
 
 
 @compiled
@@ -37,7 +37,7 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array, A
             inertial[i, j] = mass[i][0] * mobility[0, j] + mass[i][1] * mobility[1, j] + mass[i][2] * mobility[2, j]
     m.standing[:] = 1.0
     fill_map(m.wheels, m.standing, m.gravity, m.carried)
-    rigid, wheels, lateral = rigid_body.regressor(twist, STILL), rows[: len(m.wheels)], rows[len(m.wheels)]
+    rigid, wheels, lateral = rigid_body.regressor(twist, ZERO_ACCELERATION), rows[: len(m.wheels)], rows[len(m.wheels)]
     rows[:] = 0.0
     across = -m.basis[1, 0], m.basis[0, 0]  # the first free velocity is along the wheels
     for k in range(len(wheels)):
@@ -68,11 +68,11 @@ def _slope(
 ) -> None:
     """The partials (n + 1, 7) of the rows by one parameter; `by`: which, and the CoM's height."""
     (mobility, inertial), (q, height) = maps, by
-    own, first = m.phi_by_parameters[:, q], MEMORY + len(m.memory_rate)
+    own, first = m.phi_by_parameters[:, q], MEMORY_COLUMN + len(m.memory_rate)
     wheels, lateral = rows[: len(m.wheels)], rows[len(m.wheels)]
     across = -m.basis[1, 0], m.basis[0, 0]
     mass = rigid_body.mass_matrix(own)
-    swung = m.wrench[SWUNG, first + q]
+    swung = m.wrench[SWINGING_ROW, first + q]
     rows[:] = 0.0
     for k in range(len(wheels)):
         share = m.carried[k]
@@ -80,7 +80,7 @@ def _slope(
     for c in range(3):  # of dM G, the row c, and what it makes of what pushes
         bias, felt = _bias(rigid[c], own), m.wrench[c, first + q]
         for d in range(4):
-            felt += m.wrench[c, PHI + d] * own[d]
+            felt += m.wrench[c, PHI_COLUMN + d] * own[d]
         changed = bias
         for j in range(3):
             along = mass[c][0] * mobility[0, j] + mass[c][1] * mobility[1, j] + mass[c][2] * mobility[2, j]

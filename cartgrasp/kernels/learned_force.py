@@ -8,22 +8,34 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Own, Parts, Situation, Twist
+from .situation import EffectValues, Parts, Situation, Twist
 from .smooth import smooth_ramp, smooth_sign, smooth_step
 
-FORWARD_FORCE, LATERAL_FORCE, YAW_MOMENT, DRAG, WORLD_FORCE, VISCOUS_DRAG = range(6)
+ON_FORWARD_FORCE, ON_LATERAL_FORCE, ON_YAW_MOMENT, ON_DRAG, ON_WORLD_FORCE, ON_VISCOUS_DRAG = range(6)
 """What a law acts on."""
-TIME, TRAVELLED_DISTANCE, HEADING, SPEED, YAW_RATE, PLACE, SINCE_REVERSAL = range(7)
+OF_TIME, OF_TRAVELLED_DISTANCE, OF_HEADING, OF_SPEED, OF_YAW_RATE, OF_PLACE, OF_SINCE_REVERSAL = range(7)
 """What it is a function of."""
-ACTS_ON, OF, DIRECTION, LEVER, AHEAD, PERIOD, ROUNDED, ROUNDED_Y, TURN, COUNT, FIRST = range(11)
+(
+    I_ACTS_ON,
+    I_VARIABLE,
+    I_DIRECTION,
+    I_LEVER,
+    I_AHEAD,
+    I_PERIOD,
+    I_ROUNDING_X,
+    I_ROUNDING_Y,
+    I_REVERSAL_LENGTH,
+    I_COUNT,
+    I_FIRST,
+) = range(11)
 """Where constants stand: a period of 0 for none; how far knots of x and of y are rounded; over which way a reversal is
 told; how many knots of x there are, and where the first one is."""
-NOTHING = (0.0, 0.0, 0.0)
+ZERO_VECTOR = (0.0, 0.0, 0.0)
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
-    lever = own.constants[LEVER]
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+    lever = own.constants[I_LEVER]
     unit, turned, braked = _unit(at, own.constants)
     value, by_pose, by_velocity, by_memory = _variable(at, own)
     force = slope = slope_y = 0.0
@@ -47,12 +59,12 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def memory_rate(at: Situation, own: Own, out: Parts) -> None:
-    lever = own.constants[LEVER]
+def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
+    lever = own.constants[I_LEVER]
     speed, way = at.velocity[0] - lever * at.velocity[2], own.memory[0]
     rate, by_speed = speed, 1.0
-    if own.constants[OF] == SINCE_REVERSAL:
-        turn = own.constants[TURN]
+    if own.constants[I_VARIABLE] == OF_SINCE_REVERSAL:
+        turn = own.constants[I_REVERSAL_LENGTH]
         forward, bend = smooth_step(speed, at.smoothing_speed)
         below, below_slope = smooth_ramp(-way, turn)
         above, above_slope = smooth_ramp(way, turn)
@@ -65,11 +77,11 @@ def memory_rate(at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: Own, columns: Array) -> int:
+def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
     """Fills the column of a law that is a drag, and returns 1; other laws have no column, and it returns 0."""
-    if own.constants[ACTS_ON] != DRAG:
+    if own.constants[I_ACTS_ON] != ON_DRAG:
         return 0
-    lever = own.constants[LEVER]
+    lever = own.constants[I_LEVER]
     sign, _ = smooth_sign(at.velocity[0] - lever * at.velocity[2], at.smoothing_speed)
     value, _, _, _ = _variable(at, own)
     level = 0.0
@@ -83,61 +95,61 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 @compiled
 def _unit(at: Situation, constants: Array) -> tuple[Twist, Twist, Twist]:
     """The wrench of one newton, and its partials by the heading and by the forward speed where it acts."""
-    acts_on, lever, ahead = constants[ACTS_ON], constants[LEVER], constants[AHEAD]
-    if acts_on == LATERAL_FORCE:
-        return (0.0, 1.0, ahead), NOTHING, NOTHING
-    if acts_on == YAW_MOMENT:
-        return (0.0, 0.0, 1.0), NOTHING, NOTHING
-    if acts_on == WORLD_FORCE:
-        x, y = math.cos(constants[DIRECTION] - at.pose[2]), math.sin(constants[DIRECTION] - at.pose[2])
-        return (x, y, ahead * y), (y, -x, -ahead * x), NOTHING
-    if acts_on == DRAG:
+    acts_on, lever, ahead = constants[I_ACTS_ON], constants[I_LEVER], constants[I_AHEAD]
+    if acts_on == ON_LATERAL_FORCE:
+        return (0.0, 1.0, ahead), ZERO_VECTOR, ZERO_VECTOR
+    if acts_on == ON_YAW_MOMENT:
+        return (0.0, 0.0, 1.0), ZERO_VECTOR, ZERO_VECTOR
+    if acts_on == ON_WORLD_FORCE:
+        x, y = math.cos(constants[I_DIRECTION] - at.pose[2]), math.sin(constants[I_DIRECTION] - at.pose[2])
+        return (x, y, ahead * y), (y, -x, -ahead * x), ZERO_VECTOR
+    if acts_on == ON_DRAG:
         sign, slope = smooth_sign(at.velocity[0] - lever * at.velocity[2], at.smoothing_speed)
-        return (-sign, 0.0, sign * lever), NOTHING, (-slope, 0.0, slope * lever)
-    if acts_on == VISCOUS_DRAG:
+        return (-sign, 0.0, sign * lever), ZERO_VECTOR, (-slope, 0.0, slope * lever)
+    if acts_on == ON_VISCOUS_DRAG:
         speed = at.velocity[0] - lever * at.velocity[2]
-        return (-speed, 0.0, speed * lever), NOTHING, (-1.0, 0.0, lever)
-    return (1.0, 0.0, -lever), NOTHING, NOTHING
+        return (-speed, 0.0, speed * lever), ZERO_VECTOR, (-1.0, 0.0, lever)
+    return (1.0, 0.0, -lever), ZERO_VECTOR, ZERO_VECTOR
 
 
 @compiled
-def _variable(at: Situation, own: Own) -> tuple[float, Twist, Twist, float]:
+def _variable(at: Situation, own: EffectValues) -> tuple[float, Twist, Twist, float]:
     """What the law is a function of, with partials by pose, velocity and memory; of places with knots along y, x."""
-    c, of = own.constants, own.constants[OF]
-    if of == TRAVELLED_DISTANCE:
-        return own.memory[0], NOTHING, NOTHING, 1.0
-    if of == SINCE_REVERSAL:
-        sign, bend = smooth_sign(own.memory[0], c[TURN])
-        return own.memory[0] * sign, NOTHING, NOTHING, sign + own.memory[0] * bend
-    if of == HEADING:
-        return at.pose[2], (0.0, 0.0, 1.0), NOTHING, 0.0
-    if of == YAW_RATE:
-        return at.velocity[2], NOTHING, (0.0, 0.0, 1.0), 0.0
-    if of == SPEED:
-        speed, slope = at.velocity[0] - c[LEVER] * at.velocity[2], 1.0
-        if c[ACTS_ON] == DRAG:
+    c, of = own.constants, own.constants[I_VARIABLE]
+    if of == OF_TRAVELLED_DISTANCE:
+        return own.memory[0], ZERO_VECTOR, ZERO_VECTOR, 1.0
+    if of == OF_SINCE_REVERSAL:
+        sign, bend = smooth_sign(own.memory[0], c[I_REVERSAL_LENGTH])
+        return own.memory[0] * sign, ZERO_VECTOR, ZERO_VECTOR, sign + own.memory[0] * bend
+    if of == OF_HEADING:
+        return at.pose[2], (0.0, 0.0, 1.0), ZERO_VECTOR, 0.0
+    if of == OF_YAW_RATE:
+        return at.velocity[2], ZERO_VECTOR, (0.0, 0.0, 1.0), 0.0
+    if of == OF_SPEED:
+        speed, slope = at.velocity[0] - c[I_LEVER] * at.velocity[2], 1.0
+        if c[I_ACTS_ON] == ON_DRAG:
             sign, bend = smooth_sign(speed, at.smoothing_speed)
             speed, slope = speed * sign, sign + speed * bend
-        return speed, NOTHING, (slope, 0.0, -c[LEVER] * slope), 0.0
-    if of == PLACE:
-        x, y = math.cos(c[DIRECTION]), math.sin(c[DIRECTION])
-        if len(c) > FIRST + c[COUNT] + 1:
+        return speed, ZERO_VECTOR, (slope, 0.0, -c[I_LEVER] * slope), 0.0
+    if of == OF_PLACE:
+        x, y = math.cos(c[I_DIRECTION]), math.sin(c[I_DIRECTION])
+        if len(c) > I_FIRST + c[I_COUNT] + 1:
             x, y = 1.0, 0.0
-        return x * at.pose[0] + y * at.pose[1], (x, y, 0.0), NOTHING, 0.0
-    return at.time, NOTHING, NOTHING, 0.0
+        return x * at.pose[0] + y * at.pose[1], (x, y, 0.0), ZERO_VECTOR, 0.0
+    return at.time, ZERO_VECTOR, ZERO_VECTOR, 0.0
 
 
 @compiled
 def _share(c: Array, k: int, x: float, y: float) -> tuple[float, float, float]:
     """What amplitude k counts for at a value of the variable, with its partials by it and by y."""
-    n = int(c[COUNT])
-    if c[PERIOD] > 0.0:
-        pace = 2.0 * math.pi * c[FIRST + k // 2] / c[PERIOD]
+    n = int(c[I_COUNT])
+    if c[I_PERIOD] > 0.0:
+        pace = 2.0 * math.pi * c[I_FIRST + k // 2] / c[I_PERIOD]
         cosine, sine = math.cos(pace * x), math.sin(pace * x)
         return (sine, pace * cosine, 0.0) if k % 2 else (cosine, -pace * sine, 0.0)
-    n_y = len(c) - FIRST - n
-    along, slope = _hat(c[FIRST : FIRST + n], k // n_y, x, c[ROUNDED])
-    across, slope_y = _hat(c[FIRST + n :], k % n_y, y, c[ROUNDED_Y])
+    n_y = len(c) - I_FIRST - n
+    along, slope = _hat(c[I_FIRST : I_FIRST + n], k // n_y, x, c[I_ROUNDING_X])
+    across, slope_y = _hat(c[I_FIRST + n :], k % n_y, y, c[I_ROUNDING_Y])
     return along * across, slope * across, along * slope_y
 
 

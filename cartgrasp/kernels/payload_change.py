@@ -5,11 +5,11 @@ from __future__ import annotations
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Own
+from .situation import EffectValues
 
 
 @compiled
-def phi_change(time: float, own: Own, phi: Array, by_own: Array) -> None:
+def phi_change(time: float, own: EffectValues, phi: Array, by_own: Array) -> None:
     mass, x, y = own.parameters[1], own.parameters[2], own.parameters[3]
     if not time >= own.parameters[0]:
         return

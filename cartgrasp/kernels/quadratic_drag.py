@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     coefficient, velocity = own.parameters[0], at.velocity
     speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     for i in range(2):

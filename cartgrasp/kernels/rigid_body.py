@@ -8,7 +8,7 @@ from .jit import compiled
 from .situation import Twist
 
 Row = tuple[float, float, float, float]
-MOST_SWINGING = 0.95
+MAX_SWINGING_FRACTION = 0.95
 """Share of the inertia along {b}'s x of a cart that nothing else holds, 1 / (M_b⁻¹)_xx, that may swing at most."""
 
 
@@ -45,5 +45,5 @@ def most_swinging(phi: Array) -> tuple[float, Row]:
     about = J - mx**2 / m
     slope = (my / about) ** 2
     by_phi = 1.0 + slope * (mx / m) ** 2, -2.0 * slope * mx / m, -2.0 * my / about, slope
-    share = MOST_SWINGING
+    share = MAX_SWINGING_FRACTION
     return share * (m - my**2 / about), (share * by_phi[0], share * by_phi[1], share * by_phi[2], share * by_phi[3])

@@ -14,9 +14,9 @@ from cartgrasp.frames import Array
 
 from .casters import pivot_velocity
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 
-Place = tuple[float, float, int]
+WheelPlace = tuple[float, float, int]
 """x and y of a wheel in {b}, m, and which of the headings that an effect remembers is its; -1 for none."""
 
 
@@ -34,7 +34,7 @@ class Rolling(NamedTuple):
 
 
 @compiled
-def drag(at: Situation, own: Own, wheel: int, coefficient: float, out: Parts) -> tuple[float, float, float]:
+def drag(at: Situation, own: EffectValues, wheel: int, coefficient: float, out: Parts) -> tuple[float, float, float]:
     """Adds the drag of one wheel with partials by velocity, phi and heading; returns the wrench (3,) of a unit force
     along its rolling."""
     x, y, k = place_of(at, own, wheel)
@@ -65,7 +65,7 @@ def add_by_velocity(
 
 
 @compiled
-def add_by_heading(place: Place, force: float, turned: tuple[float, float], out: Parts) -> None:
+def add_by_heading(place: WheelPlace, force: float, turned: tuple[float, float], out: Parts) -> None:
     """Adds what a drag changes by with the wheel's heading: `force` (N) times the partials of its direction."""
     x, y, k = place
     if k >= 0:
@@ -75,7 +75,7 @@ def add_by_heading(place: Place, force: float, turned: tuple[float, float], out:
 
 
 @compiled
-def hold(at: Situation, own: Own, wheel: int, level: float, columns: Array) -> None:
+def hold(at: Situation, own: EffectValues, wheel: int, level: float, columns: Array) -> None:
     """Writes the wrenches that one wheel may give near standstill, of `level` (N): one along its heading, or two."""
     x, y, k = place_of(at, own, wheel)
     way = rolling(at, own, wheel)
@@ -95,7 +95,7 @@ def hold_anywhere(x: float, y: float, level: float, columns: Array) -> None:
 
 
 @compiled
-def place_of(at: Situation, own: Own, wheel: int) -> Place:
+def place_of(at: Situation, own: EffectValues, wheel: int) -> WheelPlace:
     k = -1
     if at.wheels[wheel, 2] == 1.0 and len(own.memory) > 0:
         k = 0
@@ -106,13 +106,13 @@ def place_of(at: Situation, own: Own, wheel: int) -> Place:
 
 
 @compiled
-def _heading(own: Own, k: int) -> tuple[float, float]:
+def _heading(own: EffectValues, k: int) -> tuple[float, float]:
     """Cosine and sine of a wheel's heading in {b}."""
     return (math.cos(own.memory[k]), math.sin(own.memory[k])) if k >= 0 else (1.0, 0.0)
 
 
 @compiled
-def rolling(at: Situation, own: Own, wheel: int) -> Rolling:
+def rolling(at: Situation, own: EffectValues, wheel: int) -> Rolling:
     x, y, k = place_of(at, own, wheel)
     if at.wheels[wheel, 2] == 1.0 and k < 0:
         return rolling_anywhere(at, x, y)

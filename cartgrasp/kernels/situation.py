@@ -18,7 +18,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 
 Twist = tuple[float, float, float]
-SWUNG = 3
+SWINGING_ROW = 3
 """The row behind those of the wrench: of the mass that does not follow u'."""
 
 
@@ -38,7 +38,7 @@ class Situation(NamedTuple):
     smoothing_speed: float
 
 
-class Own(NamedTuple):
+class EffectValues(NamedTuple):
     """The numbers of one effect: memory (k,), parameters (q,), and those that it calls `constants`."""
 
     memory: Array

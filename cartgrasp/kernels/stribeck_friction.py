@@ -12,8 +12,8 @@ from cartgrasp.frames import Array
 
 from .jit import compiled
 from .rolling import (
-    Place,
     Rolling,
+    WheelPlace,
     add_by_heading,
     add_by_velocity,
     hold,
@@ -22,11 +22,11 @@ from .rolling import (
     rolling,
     rolling_anywhere,
 )
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     breakaway, by_wheels = own.parameters[0], own.parameters[2]
     unit = _drag(rolling_anywhere(at, 0.0, 0.0), (0.0, 0.0, -1), 1.0 - by_wheels, own, out)
     for i in range(3):
@@ -45,7 +45,7 @@ def wrench(at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: Own, columns: Array) -> int:
+def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
     breakaway, by_wheels = own.parameters[0], own.parameters[2]
     way = rolling_anywhere(at, 0.0, 0.0)
     still = 1.0 - way.x**2 - way.y**2
@@ -60,7 +60,7 @@ def stiction(at: Situation, own: Own, columns: Array) -> int:
 
 
 @compiled
-def _drag(way: Rolling, place: Place, share: float, own: Own, out: Parts) -> tuple[float, float, float]:
+def _drag(way: Rolling, place: WheelPlace, share: float, own: EffectValues, out: Parts) -> tuple[float, float, float]:
     """Adds a share of the drag, that of what rolls so at a place, with partials by velocity, heading, breakaway and
     speed; returns what it would take of each newton of all of it, (3,)."""
     x, y, _ = place
@@ -86,7 +86,7 @@ def _drag(way: Rolling, place: Place, share: float, own: Own, out: Parts) -> tup
 
 
 @compiled
-def _fade(way: Rolling, own: Own) -> float:
+def _fade(way: Rolling, own: EffectValues) -> float:
     return math.exp(-(way.x**2 + way.y**2) * way.norm**2 / own.parameters[1] ** 2)
 
 

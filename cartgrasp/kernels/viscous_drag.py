@@ -3,11 +3,11 @@
 from __future__ import annotations
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     for i in range(3):
         which = i // 2
         damping = own.parameters[which]

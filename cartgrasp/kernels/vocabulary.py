@@ -22,7 +22,7 @@ from . import (
 )
 from .casters import add_heading_rates, settle_headings
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 
 VISCOUS_DRAG = 0
 ROLLING_RESISTANCE = 1
@@ -57,7 +57,7 @@ KINDS = {
 }
 
 
-STICKING = frozenset(
+STICTION_EFFECTS = frozenset(
     {
         "rolling_resistance",
         "stribeck_friction",
@@ -71,13 +71,13 @@ STICKING = frozenset(
 
 
 @compiled
-def add_phi_change(kind: int, time: float, own: Own, phi: Array, by_own: Array) -> None:
+def add_phi_change(kind: int, time: float, own: EffectValues, phi: Array, by_own: Array) -> None:
     if kind == PAYLOAD_CHANGE:
         payload_change.phi_change(time, own, phi, by_own)
 
 
 @compiled
-def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
+def add_wrench(kind: int, at: Situation, own: EffectValues, out: Parts) -> None:
     if kind == VISCOUS_DRAG:
         viscous_drag.wrench(at, own, out)
     elif kind == ROLLING_RESISTANCE:
@@ -107,7 +107,7 @@ def add_wrench(kind: int, at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def add_memory_rate(kind: int, at: Situation, own: Own, out: Parts) -> None:
+def add_memory_rate(kind: int, at: Situation, own: EffectValues, out: Parts) -> None:
     if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
         add_heading_rates(at, own.memory, out)
     elif kind == CASTER_REALIGNMENT:
@@ -119,7 +119,7 @@ def add_memory_rate(kind: int, at: Situation, own: Own, out: Parts) -> None:
 
 
 @compiled
-def add_stiction(kind: int, at: Situation, own: Own, columns: Array) -> int:
+def add_stiction(kind: int, at: Situation, own: EffectValues, columns: Array) -> int:
     if kind == ROLLING_RESISTANCE:
         return rolling_resistance.stiction(at, own, columns)
     if kind == STRIBECK_FRICTION:
@@ -136,7 +136,7 @@ def add_stiction(kind: int, at: Situation, own: Own, columns: Array) -> int:
 
 
 @compiled
-def settle(kind: int, at: Situation, own: Own, memory: Array) -> None:
+def settle(kind: int, at: Situation, own: EffectValues, memory: Array) -> None:
     if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
         settle_headings(at, own.memory, memory)
     elif kind == CASTER_REALIGNMENT:

@@ -5,10 +5,10 @@ from __future__ import annotations
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Own, Parts, Situation
+from .situation import EffectValues, Parts, Situation
 from .smooth import smooth_sign
 
-NARROW = 1e-6
+MIN_TRACK_WIDTH = 1e-6
 """m: wheels that are no farther apart stand in one place."""
 
 Share = tuple[float, float, float, float]
@@ -16,18 +16,18 @@ Share = tuple[float, float, float, float]
 
 
 @compiled
-def wrench(at: Situation, own: Own, out: Parts) -> None:
+def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
     right, left, of_right, of_left = _track(at)
     _drag(at, right, of_right, own, out)
-    if left - right > NARROW:
+    if left - right > MIN_TRACK_WIDTH:
         _drag(at, left, of_left, own, out)
 
 
 @compiled
-def stiction(at: Situation, own: Own, columns: Array) -> int:
+def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
     right, left, of_right, of_left = _track(at)
     _hold(at, right, of_right, own, columns[0])
-    if left - right > NARROW:
+    if left - right > MIN_TRACK_WIDTH:
         _hold(at, left, of_left, own, columns[1])
         return 2
     return 1
@@ -45,7 +45,7 @@ def _track(at: Situation) -> tuple[float, float, Share, Share]:
             right, left = (min(right, y), max(left, y)) if found else (y, y)
             found = True
     span = left - right
-    if span <= NARROW:
+    if span <= MIN_TRACK_WIDTH:
         return 0.0, 0.0, (1.0, 0.0, 0.0, 1.0), (0.0, 0.0, 0.0, 0.0)
     of_right = (left / span, -1.0 / span, left * right / span, -right / span)
     of_left = (-right / span, 1.0 / span, -left * right / span, left / span)
@@ -53,7 +53,7 @@ def _track(at: Situation) -> tuple[float, float, Share, Share]:
 
 
 @compiled
-def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
+def _drag(at: Situation, y: float, share: Share, own: EffectValues, out: Parts) -> None:
     """Adds the drag of a wheel at y, against its own rolling."""
     sign, slope = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
     force, moment = _strength(share, own)
@@ -69,14 +69,14 @@ def _drag(at: Situation, y: float, share: Share, own: Own, out: Parts) -> None:
 
 
 @compiled
-def _hold(at: Situation, y: float, share: Share, own: Own, column: Array) -> None:
+def _hold(at: Situation, y: float, share: Share, own: EffectValues, column: Array) -> None:
     sign, _ = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
     force, moment = _strength(share, own)
     column[0], column[2] = -(1.0 - sign * sign) * force, (1.0 - sign * sign) * moment
 
 
 @compiled
-def _strength(share: Share, own: Own) -> tuple[float, float]:
+def _strength(share: Share, own: EffectValues) -> tuple[float, float]:
     """The drag (N) and the moment (N·m) of a wheel that rolls."""
     force, moment = own.parameters[0], own.parameters[1]
     return share[0] * force + share[1] * moment, share[2] * force + share[3] * moment

@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 
 from .jit import compiled, entry
 
-FLAT = 1e-9  # of the largest spread
+COLLINEARITY_TOLERANCE = 1e-9  # of the largest spread
 
 
 @compiled
@@ -42,7 +42,7 @@ def fill_map(wheels: Array, standing: Array, gravity: float, carried: Array) -> 
         for k in range(len(wheels)):
             if standing[k] != 0.0:
                 spread += (axis_x * (wheels[k, 0] - centre_x) + axis_y * (wheels[k, 1] - centre_y)) ** 2
-        if spread <= FLAT**2 * max(float(n), xx + yy):
+        if spread <= COLLINEARITY_TOLERANCE**2 * max(float(n), xx + yy):
             continue
         for k in range(len(wheels)):
             if standing[k] != 0.0:

@@ -12,16 +12,16 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .jit import Ints, compiled
-from .situation import SWUNG
+from .situation import SWINGING_ROW
 from .vocabulary import KINDS
 
 N_SIZES = 7
-N_EFFECT = 8
+N_EFFECT_INTS = 8
 """Whole numbers of an effect."""
 N_PHI = 4
-POSE, VELOCITY, PHI, MEMORY = 1, 4, 7, 11
+POSE_COLUMN, VELOCITY_COLUMN, PHI_COLUMN, MEMORY_COLUMN = 1, 4, 7, 11
 """Where the partials by each begin in a row of sums, behind the value; those by parameters end it."""
-N_WRENCH = SWUNG + 1
+N_WRENCH = SWINGING_ROW + 1
 """Rows of the wrench's sums."""
 
 
@@ -44,8 +44,8 @@ class Workspace(NamedTuple):
     `basis` (3, f).
 
     Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (4, 11 + k + p) of the effects'
-    `wrench` with what swings (`SWUNG`) and (k, 11 + k + p) of the memory's rate, one after the other in `sums`; and
-    `loads` (n,), `carried` (n, 4) and `standing` (n,) of the wheels."""
+    `wrench` with what swings (`SWINGING_ROW`) and (k, 11 + k + p) of the memory's rate, one after the other in `sums`;
+    and `loads` (n,), `carried` (n, 4) and `standing` (n,) of the wheels."""
 
     gravity: float
     smoothing_speed: float
@@ -66,7 +66,7 @@ class Workspace(NamedTuple):
 
 
 def sums_size(n_memory: int, n_parameters: int) -> int:
-    return N_PHI + N_PHI * n_parameters + (N_WRENCH + n_memory) * (MEMORY + n_memory + n_parameters)
+    return N_PHI + N_PHI * n_parameters + (N_WRENCH + n_memory) * (MEMORY_COLUMN + n_memory + n_parameters)
 
 
 def pack(
@@ -79,14 +79,14 @@ def pack(
     """`wheels` and pivots; how much memory and how many parameters; gravity and smoothing speed."""
     (table, pivots), (nm, p), nf = wheels, sizes, basis.shape[1]
     n, constants = 3 + nf + nm, [number for effect in effects for number in effect.constants]
-    ints = np.zeros(N_SIZES + N_EFFECT * len(effects), np.int64)
+    ints = np.zeros(N_SIZES + N_EFFECT_INTS * len(effects), np.int64)
     ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p, len(constants)
     end = 0
     for effect in effects:
         if effect.name not in KINDS:
             cure = "derive an effect in numpy from ForceEffect; one with a kernel needs its row of vocabulary.KINDS"
             raise UsageError(f"effects: {effect.name} has no kernel; {cure}")
-    for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT), effects, strict=True):
+    for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT_INTS), effects, strict=True):
         own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)
         drives = effect.drives and memory.stop > memory.start
         row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end, drives
@@ -100,7 +100,7 @@ def pack(
 def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     """And room (nf² + n (7 + n + p),) for a rate with all partials, and for steps."""
     ne, nw, nv, nf, nm, p, nc = ints[0], ints[1], ints[2], ints[3], ints[4], ints[5], ints[6]
-    width = MEMORY + nm + p
+    width = MEMORY_COLUMN + nm + p
     constants, roots, at = floats[2 : 2 + nc], floats[2 + nc : 2 + nc + ne], 2 + nc + ne
     wheels, at = floats[at : at + 3 * nw].reshape((nw, 3)), at + 3 * nw
     pivots, at = floats[at : at + 3 * nv].reshape((nv, 3)), at + 3 * nv
@@ -114,7 +114,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     loads, at = floats[at : at + nw], at + nw
     carried, at = floats[at : at + 4 * nw].reshape((nw, 4)), at + 4 * nw
     standing, at = floats[at : at + nw], at + nw
-    effects = ints[N_SIZES:].reshape((ne, N_EFFECT))
+    effects = ints[N_SIZES:].reshape((ne, N_EFFECT_INTS))
     w = Workspace(
         floats[0],
         floats[1],

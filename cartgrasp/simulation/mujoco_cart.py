@@ -31,13 +31,13 @@ from ..inertia import Inertia
 from ..model import CartModel
 from ..wheels import CASTER, DEFAULT_TRAIL, FIXED, GRAVITY, Wheel, WheelSet
 
-RADIUS = 0.06
+WHEEL_RADIUS = 0.06
 """m, of every wheel."""
 DEFAULT_COM_HEIGHT = 0.5
 DEFAULT_HALF_TRACK, DEFAULT_WHEELBASE = 0.27, 0.72
-WHEEL_SHARE = 0.0005
+WHEEL_MASS_FRACTION = 0.0005
 """Mass of a wheel, and of a fork, over the mass of the cart."""
-INERTIA_SHARE = 0.1
+MAX_WHEEL_INERTIA_FRACTION = 0.1
 """Wheels and forks have at most this part of the yaw inertia."""
 SLIDING_FRICTION = 1.5
 IMPRATIO = 100.0
@@ -199,7 +199,7 @@ class MujocoCart:
         """Mass of a wheel, and of a fork: light, for a cart of little yaw inertia too."""
         inertia = self.cart.inertia
         far = 2 * sum((w.x - inertia.com[0]) ** 2 + (w.y - inertia.com[1]) ** 2 + w.trail**2 for w in self.wheels)
-        return min(WHEEL_SHARE * inertia.mass, INERTIA_SHARE * inertia.about_com / max(far, 1e-9))
+        return min(WHEEL_MASS_FRACTION * inertia.mass, MAX_WHEEL_INERTIA_FRACTION * inertia.about_com / max(far, 1e-9))
 
     def compile(self, time: float) -> mujoco.MjModel:
         """The cart with its load at `time`; actuators 0..5 are the wrench (6,) at {b}'s origin, in {b}."""
@@ -235,7 +235,7 @@ class MujocoCart:
         for wheel in self.wheels:
             parts = 2 if wheel.kind == CASTER else 1
             share = Inertia(parts * light, (wheel.x, wheel.y), _own_yaw_inertia(wheel, light))
-            phi, vertical = phi - share.phi, vertical - share.mass * RADIUS
+            phi, vertical = phi - share.phi, vertical - share.mass * WHEEL_RADIUS
         rest = Inertia.from_phi(phi)
         tilting = rest.about_com / 2 + rest.mass * height**2 / 3
         chassis.explicitinertial = True
@@ -245,7 +245,7 @@ class MujocoCart:
     def _add_wheel(self, spec: Any, chassis: Any, i: int, load: float) -> None:
         wheel, light, name = self.wheels[i], self.wheel_mass, f"wheel{i}"
         hinge = mujoco.mjtJoint.mjJNT_HINGE
-        holder, place = chassis, [wheel.x, wheel.y, RADIUS]
+        holder, place = chassis, [wheel.x, wheel.y, WHEEL_RADIUS]
         if wheel.kind == CASTER:
             holder, place = chassis.add_body(name=f"fork{i}", pos=place), [-wheel.trail, 0.0, 0.0]
             _set_disc(holder, light, com_x=wheel.trail)
@@ -254,9 +254,9 @@ class MujocoCart:
         body = holder.add_body(name=name, pos=place)
         _set_disc(body, light)
         rolling = body.add_joint(name=f"roll{i}", type=hinge, axis=[0, 1, 0])
-        _set_friction_loss(rolling, self.mechanisms.rolling_coefficient * RADIUS * load)
+        _set_friction_loss(rolling, self.mechanisms.rolling_coefficient * WHEEL_RADIUS * load)
         ball = mujoco.mjtGeom.mjGEOM_SPHERE
-        body.add_geom(name=name, type=ball, size=[RADIUS, 0, 0], contype=0, conaffinity=0)
+        body.add_geom(name=name, type=ball, size=[WHEEL_RADIUS, 0, 0], contype=0, conaffinity=0)
         pair = spec.add_pair(geomname1="floor", geomname2=name, condim=3, solref=FLOOR_SOLREF)
         pair.solimp, pair.solreffriction = FLOOR_SOLIMP, FRICTION_SOLREF
         pair.friction = [SLIDING_FRICTION, SLIDING_FRICTION, 0, 0, 0]
@@ -284,12 +284,12 @@ def _set_disc(body: Any, mass: float, com_x: float = 0.0) -> None:
     """Inertia of a thin disc that spins about y."""
     body.explicitinertial = True
     body.ipos = [com_x, 0.0, 0.0]
-    body.mass, body.inertia = mass, mass * RADIUS**2 * np.array([0.25, 0.5, 0.25])
+    body.mass, body.inertia = mass, mass * WHEEL_RADIUS**2 * np.array([0.25, 0.5, 0.25])
 
 
 def _own_yaw_inertia(wheel: Wheel, mass: float) -> float:
     """Yaw inertia (kg m²) of a fixed wheel, or of fork and wheel of a caster about its pivot."""
-    disc = mass * RADIUS**2 / 4
+    disc = mass * WHEEL_RADIUS**2 / 4
     return 2 * (disc + mass * wheel.trail**2) if wheel.kind == CASTER else disc
 
 

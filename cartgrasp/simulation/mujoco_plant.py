@@ -17,23 +17,23 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import LARGEST_NUMBER, check_kind, pose, positive
+from ..checks import MAX_NUMBER, check_kind, pose, positive
 from ..contacts import ContactWrenches, grasp_map_spatial
 from ..errors import PlantError
 from ..frames import PLANAR, Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
-from .mujoco_cart import RADIUS, MujocoCart, check_stands
+from .mujoco_cart import WHEEL_RADIUS, MujocoCart, check_stands
 from .outer_forces import OuterForces
 from .plant import brief_plant
 
-LARGEST_TILT = np.radians(20.0)
-LIFT, LIFT_TIME = 0.01, 0.5
-"""A wheel may stay higher than `LIFT` (m) above the floor for `LIFT_TIME` (s)."""
-CHUNK = 10
+TIP_OVER_TILT = np.radians(20.0)
+MAX_WHEEL_LIFT, MAX_LIFT_TIME = 0.01, 0.5
+"""A wheel may stay higher than `MAX_WHEEL_LIFT` (m) above the floor for `MAX_LIFT_TIME` (s)."""
+HEALTH_CHECK_STEPS = 10
 """Physics steps between two looks at the cart's health."""
-INSTANT = 1e-9
+TIME_TOLERANCE = 1e-9
 """s: times closer than this are one."""
 SETTLE_TIME = 0.2
 
@@ -58,7 +58,7 @@ class MujocoPlant:
         heading: ArrayLike | None = None,
     ) -> None:
         check_kind("MuJoCo plant: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
-        positive("MuJoCo plant: timestep", timestep, LARGEST_NUMBER, "give s")
+        positive("MuJoCo plant: timestep", timestep, MAX_NUMBER, "give s")
         self._cart = MujocoCart.of(cart)
         self._start = np.array(pose("MuJoCo plant: pose_sb", pose_sb))
         self._timestep, self._time, self._yaw = timestep, 0.0, 0.0
@@ -154,7 +154,7 @@ class MujocoPlant:
         self._data.ctrl[:] = self._pushed = _wrench_b(wrenches)
         stop = self._time + duration
         for instant in self._cart.mechanisms.load_times:
-            if self._time < instant < stop + INSTANT:
+            if self._time < instant < stop + TIME_TOLERANCE:
                 self._advance(instant)
                 self._load()
         self._advance(stop)
@@ -162,11 +162,11 @@ class MujocoPlant:
     def _advance(self, stop: float) -> None:
         """Equal physics steps up to a time."""
         gap = stop - self._time
-        left = ceil(gap / self._timestep - 1e-6) if gap > INSTANT else 0
+        left = ceil(gap / self._timestep - 1e-6) if gap > TIME_TOLERANCE else 0
         if left:
             self._model.opt.timestep = gap / left
         while left > 0:
-            n = min(left, CHUNK)
+            n = min(left, HEALTH_CHECK_STEPS)
             if self._cart.mechanisms.outer:
                 n = 1
                 self._push_from_outside()
@@ -193,14 +193,14 @@ class MujocoPlant:
         yaw = atan2(2 * (a * k + i * j), 1 - 2 * (j * j + k * k))
         self._yaw += float(wrap_angle(yaw - self._yaw))
         tilt = acos(max(1 - 2 * (i * i + j * j), -1.0))
-        if tilt > LARGEST_TILT:
+        if tilt > TIP_OVER_TILT:
             raise PlantError(f"MuJoCo plant: the cart tips over at {self._time:g} s: tilted by {np.degrees(tilt):.0f}°")
-        high = data.geom_xpos[self._wheel_geoms, 2] > RADIUS + LIFT
+        high = data.geom_xpos[self._wheel_geoms, 2] > WHEEL_RADIUS + MAX_WHEEL_LIFT
         self._lifted = np.where(high, self._lifted + passed, 0.0)
-        if self._lifted.max() > LIFT_TIME:
+        if self._lifted.max() > MAX_LIFT_TIME:
             wheel = self._cart.wheels[int(self._lifted.argmax())]
             where = f"the {wheel.kind} wheel at ({wheel.x:g}, {wheel.y:g}) m"
-            raise PlantError(f"MuJoCo plant: {where} has been off the floor for {LIFT_TIME} s at {self._time:g} s")
+            raise PlantError(f"MuJoCo plant: {where} has been off the floor for {MAX_LIFT_TIME} s at {self._time:g} s")
 
     # --- MuJoCo's data --------------------------------------------------------------------------------------
 
@@ -235,11 +235,11 @@ class MujocoPlant:
             return
         rates[[*PLANAR]] = u, w, r
         for i, wheel in self._cart.numbered(FIXED):
-            rates[self._model.joint(f"roll{i}").dofadr[0]] = (u - wheel.y * r) / RADIUS
+            rates[self._model.joint(f"roll{i}").dofadr[0]] = (u - wheel.y * r) / WHEEL_RADIUS
         for (i, wheel), heading in zip(self._casters, headings, strict=True):
             c, s = np.cos(heading), np.sin(heading)
             at_x, at_y = u - wheel.y * r, w + wheel.x * r
-            rates[self._model.joint(f"roll{i}").dofadr[0]] = (c * at_x + s * at_y) / RADIUS
+            rates[self._model.joint(f"roll{i}").dofadr[0]] = (c * at_x + s * at_y) / WHEEL_RADIUS
             rates[self._model.joint(f"swivel{i}").dofadr[0]] = (c * at_y - s * at_x) / wheel.trail - r
 
 

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import LARGEST_NUMBER, brief, check_kind, digits, number, pose, positive
-from ..compiled_dynamics import STABLE
+from ..checks import MAX_NUMBER, brief, check_kind, digits, number, pose, positive
+from ..compiled_dynamics import MAX_STEP_STIFFNESS
 from ..contacts import ContactWrenches
 from ..errors import PlantError
 from ..frames import Array
@@ -16,7 +16,7 @@ from ..roles import Plant
 from .integrate import held
 
 MAX_STEP = 0.005
-RESOLVED = 0.2
+MAX_STEP_QUICKNESS = 0.2
 """Largest product of a step and the quickness (1/s) of a force that sets in: it keeps the energy of a touch to a
 thousandth."""
 
@@ -60,7 +60,7 @@ class ModelPlant:
         caster_headings: ArrayLike | None = None,
     ) -> None:
         check_kind("plant: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
-        self.cart, self.timestep = cart, positive("plant: timestep", timestep, LARGEST_NUMBER, "give s")
+        self.cart, self.timestep = cart, positive("plant: timestep", timestep, MAX_NUMBER, "give s")
         self._state = cart.state(pose("plant: pose_sb", pose_sb), velocity)
         self._time = 0.0
         mass = float(cart.inertia.mass)
@@ -108,5 +108,5 @@ class ModelPlant:
         stable region. They also resolve forces that may set in within a step."""
         if not self.cart.effects:
             return 1
-        stiffness = self.cart.stiffness(self._state, wrench_b, self._time) / STABLE
-        return int(np.ceil(duration * max(stiffness, self._quickness / RESOLVED)))
+        stiffness = self.cart.stiffness(self._state, wrench_b, self._time) / MAX_STEP_STIFFNESS
+        return int(np.ceil(duration * max(stiffness, self._quickness / MAX_STEP_QUICKNESS)))

@@ -9,7 +9,7 @@ import numpy as np
 
 from ..checks import check_kind, number
 from ..contacts import ContactWrenches
-from ..effects.hand_motion import AT_REST, HandMotion
+from ..effects.hand_motion import HAND_AT_REST, HandMotion
 from ..frames import Array, body_to_world
 from ..model import CartModel
 from ..motion import Measurement, Motion
@@ -131,8 +131,8 @@ class Sensors:
         held the cart."""
         given = [felt for felt in self._felt if felt.time <= time + 1e-9]
         if not given:
-            return np.zeros(6), AT_REST
-        return given[-1].wrenches.get(arm, np.zeros(6)), given[-1].hands.get(arm, AT_REST)
+            return np.zeros(6), HAND_AT_REST
+        return given[-1].wrenches.get(arm, np.zeros(6)), given[-1].hands.get(arm, HAND_AT_REST)
 
     def _forget(self, time: float) -> None:
         """What is older than the sample that held at a time."""

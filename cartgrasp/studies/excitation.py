@@ -26,7 +26,7 @@ from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
 from ..frames import Array
 from ..inertia import N_PHI, Inertia
-from ..information import CERTAIN, WrenchNoise, fisher_information, parameter_regressor, reduced_noise
+from ..information import KNOWN_INFORMATION, WrenchNoise, fisher_information, parameter_regressor, reduced_noise
 from ..model import CartModel
 from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
@@ -91,7 +91,7 @@ def excitation(allowance: Allowance) -> ExcitationPlan:
 def first_information(guess: CartModel) -> Array:
     """(p, p) of the filter's prior, with what is known fixed."""
     information = np.linalg.inv(Prior().covariance(guess))
-    information[N_PHI:, N_PHI:] = CERTAIN * np.eye(len(information) - N_PHI)
+    information[N_PHI:, N_PHI:] = KNOWN_INFORMATION * np.eye(len(information) - N_PHI)
     return np.asarray(information)
 
 

@@ -12,13 +12,13 @@ import numpy as np
 from matplotlib.colors import to_rgba
 
 from ..frames import Array, rotation_planar
-from ..simulation.mujoco_cart import DEFAULT_COM_HEIGHT, RADIUS
+from ..simulation.mujoco_cart import DEFAULT_COM_HEIGHT, WHEEL_RADIUS
 from ..wheels import CASTER, DEFAULT_TRAIL
 from .plots import GREEN, OKABE_ITO, PURPLE, REFERENCE
 from .shown_run import ShownRun
 from .top_view import ARROW, BODY, EDGE, WHEEL, large_force
 
-DECK = 2 * RADIUS + 0.04
+DECK = 2 * WHEEL_RADIUS + 0.04
 """m: where the deck lies."""
 USUAL_HEIGHT = 0.9
 """m, of the body where no arm tells where it holds."""
@@ -69,7 +69,7 @@ class Scene:
         turned = np.append(theta, theta + headings)
         behind = self.trails[:, None] * np.column_stack([np.cos(headings), np.sin(headings)])
         centres = (self.wheels - behind) @ rotation_planar(theta).T + (x, y)
-        data.mocap_pos[0, :2], data.mocap_pos[1:, :2], data.mocap_pos[1:, 2] = (x, y), centres, RADIUS
+        data.mocap_pos[0, :2], data.mocap_pos[1:, :2], data.mocap_pos[1:, 2] = (x, y), centres, WHEEL_RADIUS
         data.mocap_quat[:] = np.column_stack([np.cos(turned / 2), 0 * turned, 0 * turned, np.sin(turned / 2)])
         mujoco.mj_forward(self.model, data)
         return data
@@ -154,11 +154,11 @@ def _spec(run: ShownRun, height: float) -> mujoco.MjSpec:
     for wheel in () if run.cart is None else run.cart.wheels:
         body = world.add_body(mocap=True)
         across = [math.sqrt(0.5), math.sqrt(0.5), 0.0, 0.0]
-        size = [RADIUS, 0.35 * RADIUS, 0.0]
+        size = [WHEEL_RADIUS, 0.35 * WHEEL_RADIUS, 0.0]
         body.add_geom(type=mujoco.mjtGeom.mjGEOM_CYLINDER, size=size, quat=across, rgba=to_rgba(WHEEL))
         if wheel.kind == CASTER:
             trail = wheel.trail or DEFAULT_TRAIL
-            _rod(body, (0.0, 0.0, 0.0), (trail, 0.0, DECK - RADIUS), EDGE)
+            _rod(body, (0.0, 0.0, 0.0), (trail, 0.0, DECK - WHEEL_RADIUS), EDGE)
     return spec
 
 

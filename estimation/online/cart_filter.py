@@ -7,7 +7,7 @@ from typing import final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, number
+from cartgrasp.checks import MAX_NUMBER, number
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 
@@ -73,7 +73,7 @@ class CartFilter(OnlineEstimator[InTime]):
         yaws: Mapping[str, float] | None = None,
         least_speed: float = 0.0,
     ) -> None:
-        number("filter: least_speed", least_speed, 0.0, LARGEST_NUMBER, "give m/s")
+        number("filter: least_speed", least_speed, 0.0, MAX_NUMBER, "give m/s")
         made_of = given(cart, arms, noise, prior, yaws)
         super().__init__(made_of, delayed(core_of(made_of, least_speed), cart))
 

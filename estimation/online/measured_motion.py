@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cartgrasp.checks import LARGEST_NUMBER
+from cartgrasp.checks import MAX_NUMBER
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
@@ -15,7 +15,7 @@ NO_MOTION, NO_WRENCHES = np.full(6, np.nan), np.full(1, np.nan)
 def usable(values: ArrayLike) -> Array:
     """As floats, NaN where squares may overflow."""
     numbers = np.array(values, dtype=float)
-    numbers[np.abs(numbers) > LARGEST_NUMBER] = np.nan
+    numbers[np.abs(numbers) > MAX_NUMBER] = np.nan
     return numbers
 
 
@@ -34,7 +34,7 @@ class MeasuredMotion:
         self._pose[:] = np.nan if pose is None else pose
         self._velocity[:] = np.nan if velocity is None else velocity
         x, y, yaw, along, across, turn = map(abs, self._whole.tolist())
-        most = LARGEST_NUMBER
+        most = MAX_NUMBER
         motion = along <= most and across <= most and turn <= most
         self.is_whole = motion and x <= most and y <= most and yaw <= most
         if not self.is_whole:

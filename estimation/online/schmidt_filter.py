@@ -7,7 +7,7 @@ from typing import Self
 
 import numpy as np
 
-from cartgrasp.effects.effect import USUAL_SPREAD
+from cartgrasp.effects.effect import TYPICAL_MEMORY_SPREAD
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
@@ -57,7 +57,7 @@ class SchmidtFilter:
         now.variances[:3], now.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         now.disturbance[:] = np.diag(np.array([1.0, 1.0, noise.lever]) * noise.disturbance) ** 2
         now.rest[2] = noise.slip**2
-        now.rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / USUAL_SPREAD) ** 2
+        now.rest[cart.memory_slice] = (noise.swivel * cart.memory_spread / TYPICAL_MEMORY_SPREAD) ** 2
         now.creep[:], now.spread[:] = noise.sideways(cart) * np.array(cart.rolling.across_b), cart.memory_spread
 
     @property

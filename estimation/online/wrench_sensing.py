@@ -13,9 +13,9 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from cartgrasp.checks import FARTHEST
+from cartgrasp.checks import MAX_DISTANCE
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects.hand_motion import AT_REST, HandMotion
+from cartgrasp.effects.hand_motion import HAND_AT_REST, HandMotion
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -96,8 +96,8 @@ class WrenchSensing:
         x, y, z = map(float, told)
         if not math.isfinite(x + y):
             return
-        if max(abs(x), abs(y)) > FARTHEST:
-            where = f"({x:g}, {y:g}) is more than {FARTHEST:g} m from {{b}}"
+        if max(abs(x), abs(y)) > MAX_DISTANCE:
+            where = f"({x:g}, {y:g}) is more than {MAX_DISTANCE:g} m from {{b}}"
             raise UsageError(f"measurement: contacts: {arm}: {where}; give m")
         contact, known = [x, y, z if math.isfinite(z) else 0.0], self._holds.get(arm)
         if known is not None and known.contact == contact:
@@ -201,7 +201,7 @@ class WrenchSensing:
         """The arms' wrenches (6 n,), and the reduced wrench's partials (f, p) while nothing else changes."""
         found, by = [], []
         for arm, place in grip.places.items():
-            wrench, by_parameters = self.cart.corrected_wrench(arm, place, parameters, hands.get(arm, AT_REST))
+            wrench, by_parameters = self.cart.corrected_wrench(arm, place, parameters, hands.get(arm, HAND_AT_REST))
             found.append(wrench)
             by.append(by_parameters)
         return np.concatenate(found), grip.matrix[:, : len(grip.wrenches)] @ np.concatenate(by)

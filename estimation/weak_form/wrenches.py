@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects.hand_motion import AT_REST
+from cartgrasp.effects.hand_motion import HAND_AT_REST
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
@@ -89,7 +89,7 @@ class GridWrenches:
     def corrected(self, cart: CartModel, arm: int, recorded: Array, part: slice = WHOLE) -> tuple[Array, Array]:
         """The true wrench (n, 6) behind what an arm recorded (n, 6) at times of a part of the grid, and its partials by
         the parameters (n, 6, p)."""
-        hand = AT_REST
+        hand = HAND_AT_REST
         if cart.feels_motion:
             motion = self.motion.of_body(cart)
             hand = cart.hand_motion(motion.velocity[part], motion.smooth_acceleration[part], self.contacts[arm][part])

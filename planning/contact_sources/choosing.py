@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from cartgrasp.checks import LARGEST_NUMBER, check_kind, check_known, number, positive
+from cartgrasp.checks import MAX_NUMBER, check_kind, check_known, number, positive
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.information import WrenchNoise
 
@@ -45,6 +45,6 @@ class Choosing:
         check_kind("choosing: asked", self.asked, Mapping, 'write {"com_x": 0.02}')
         check_known("choosing: asked", self.asked, PHYSICAL_NAMES)
         for name, std in self.asked.items():
-            positive(f"choosing: asked: {name}", std, LARGEST_NUMBER, "give one standard deviation")
+            positive(f"choosing: asked: {name}", std, MAX_NUMBER, "give one standard deviation")
         for name in ("extra_effort", "regrasp_effort", "min_hand_distance"):
-            number(f"choosing: {name}", getattr(self, name), 0.0, LARGEST_NUMBER)
+            number(f"choosing: {name}", getattr(self, name), 0.0, MAX_NUMBER)

@@ -21,7 +21,7 @@ from dataclasses import dataclass, replace
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 
 from ..allocation.allocation_template import AllocationTemplate
@@ -79,7 +79,7 @@ class SearchLimit:
     gap: float | None = None
 
     def __post_init__(self) -> None:
-        number("search_limit: solves", self.solves, 0, LARGEST_FLOAT)
+        number("search_limit: solves", self.solves, 0, MAX_FLOAT)
         for name, value in (("seconds", self.seconds), ("gap", self.gap)):
             if value is not None:
                 number(f"search_limit: {name}", value, 0.0)

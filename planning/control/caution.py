@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from dataclasses import dataclass, field, replace
 from operator import itemgetter
 
-from cartgrasp.checks import FARTHEST, check_kind, check_known, number, positive
+from cartgrasp.checks import MAX_DISTANCE, check_kind, check_known, number, positive
 from cartgrasp.frames import Array
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.roles import ReferencePath
@@ -75,7 +75,7 @@ class Caution:
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, MAX_CHANGE, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
-        positive("caution: behind", self.behind, FARTHEST, "give m")
+        positive("caution: behind", self.behind, MAX_DISTANCE, "give m")
         positive("caution: sure", self.sure, MAX_CHANGE, "give a share")
 
     def wanted(self, health: str, last: tuple[str, str], behind: float) -> tuple[float, str]:

@@ -6,7 +6,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_NUMBER, number
+from cartgrasp.checks import MAX_NUMBER, number
 from cartgrasp.frames import Array
 from cartgrasp.motion import Disturbance
 
@@ -28,7 +28,7 @@ class Rejection:
 
     def __post_init__(self) -> None:
         for name in ("force", "moment"):
-            number(f"rejection: {name}", getattr(self, name), 0.0, LARGEST_NUMBER)
+            number(f"rejection: {name}", getattr(self, name), 0.0, MAX_NUMBER)
 
     def fed_forward(self, disturbance: Disturbance) -> Array:
         """The reduced wrench (k,) of the arms against it."""

@@ -6,7 +6,7 @@ slopes are taken from `AllocationTemplate`, which alone knows the formula.
 
 from __future__ import annotations
 
-from cartgrasp.contacts import LARGEST_POSITION
+from cartgrasp.contacts import MAX_POSITION
 from cartgrasp.frames import Array
 
 from .dual_active_set import INFEASIBLE, OPTIMAL, REFUSED, UNPROVEN, solve
@@ -39,7 +39,7 @@ def allocate(floats: Array, ints: Ints, wrench: tuple[float, float, float], move
     if moved:
         for arm in range(len(w.points)):
             for c in range(3):
-                if not abs(w.points[arm, c]) <= LARGEST_POSITION:
+                if not abs(w.points[arm, c]) <= MAX_POSITION:
                     return REFUSED
         move(w)
     return solve_program(floats, ints)

@@ -16,7 +16,7 @@ from typing import final
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number, numbers
+from cartgrasp.checks import MAX_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_z
 
@@ -34,8 +34,8 @@ class InternalForce(CartLimit):
     axis: tuple[float, float, float] = HANDLE_AXIS_B
 
     def __post_init__(self) -> None:
-        number("internal force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")
-        if not any(numbers("internal force: axis", self.axis, "(x, y, z) in {b}", -LARGEST_FLOAT, LARGEST_FLOAT)):
+        number("internal force: bound", self.bound, 0.0, MAX_FLOAT, "give N")
+        if not any(numbers("internal force: axis", self.axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)):
             raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
     def rows(self, pushed: Pushed) -> CartRows:

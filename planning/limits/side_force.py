@@ -8,7 +8,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import n_loads
 
@@ -28,7 +28,7 @@ class SideForce(FloorLimit):
     bound: float
 
     def __post_init__(self) -> None:
-        number("side force: bound", self.bound, 0.0, LARGEST_FLOAT, "give N")
+        number("side force: bound", self.bound, 0.0, MAX_FLOAT, "give N")
 
     def on_floor(self, cart: CartModel) -> FloorRows:
         if cart.constraints.axle_x is None:

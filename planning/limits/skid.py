@@ -12,7 +12,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import check_loads
 
@@ -32,7 +32,7 @@ class Skid(FloorLimit):
     friction: float
 
     def __post_init__(self) -> None:
-        number("skid: friction", self.friction, 0.0, LARGEST_FLOAT)
+        number("skid: friction", self.friction, 0.0, MAX_FLOAT)
 
     def on_floor(self, cart: CartModel) -> FloorRows:
         fixed = ~cart.wheel_set.is_caster

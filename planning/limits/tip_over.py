@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING, final
 
 import numpy as np
 
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import check_loads
 
@@ -25,7 +25,7 @@ class TipOver(FloorLimit):
     least_load: float = 0.0
 
     def __post_init__(self) -> None:
-        number("tip-over: least_load", self.least_load, 0.0, LARGEST_FLOAT, "give N")
+        number("tip-over: least_load", self.least_load, 0.0, MAX_FLOAT, "give N")
 
     def on_floor(self, cart: CartModel) -> FloorRows:
         if not cart.wheel_set.spans_floor:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number, numbers
+from cartgrasp.checks import MAX_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits.internal_force import HANDLE_AXIS_B, departures_along
@@ -27,8 +27,8 @@ class LeastInternalForce(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        number("least internal force: weight", self.weight, 0.0, LARGEST_FLOAT)
-        if not any(numbers("least internal force: axis", self.axis, "(x, y, z) in {b}", -LARGEST_FLOAT, LARGEST_FLOAT)):
+        number("least internal force: weight", self.weight, 0.0, MAX_FLOAT)
+        if not any(numbers("least internal force: axis", self.axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)):
             raise UsageError(f"least internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
     @property

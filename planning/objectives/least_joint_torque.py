@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
@@ -24,7 +24,7 @@ class LeastJointTorque(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        number("least joint torque: weight", self.weight, 0.0, LARGEST_FLOAT)
+        number("least joint torque: weight", self.weight, 0.0, MAX_FLOAT)
 
     @property
     def looks_back(self) -> bool:

@@ -11,7 +11,7 @@ from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 
 from .objective import Cost, Objective
@@ -26,7 +26,7 @@ class LeastSideForce(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        number("least side force: weight", self.weight, 0.0, LARGEST_FLOAT)
+        number("least side force: weight", self.weight, 0.0, MAX_FLOAT)
 
     @property
     def looks_back(self) -> bool:

@@ -9,7 +9,7 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, check_kind, number
+from cartgrasp.checks import MAX_FLOAT, check_kind, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 
@@ -30,7 +30,7 @@ class LoadShare(Objective):
         shares = [number(f"load share: {arm}", share, 0.0, 1.0) for arm, share in self.shares.items()]
         if not (shares and abs(sum(shares) - 1) <= 1e-9):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
-        number("load share: weight", self.weight, 0.0, LARGEST_FLOAT)
+        number("load share: weight", self.weight, 0.0, MAX_FLOAT)
 
     @property
     def looks_back(self) -> bool:

@@ -8,7 +8,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, number
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 
 from .objective import Cost, Objective
@@ -23,7 +23,7 @@ class Smoothness(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        number("smoothness: rate", self.rate, 0.0, LARGEST_FLOAT)
+        number("smoothness: rate", self.rate, 0.0, MAX_FLOAT)
 
     @property
     def looks_back(self) -> bool:

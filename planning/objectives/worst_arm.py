@@ -9,7 +9,7 @@ from dataclasses import dataclass, field, replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import LARGEST_FLOAT, positive
+from cartgrasp.checks import MAX_FLOAT, positive
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits import LimitRows
@@ -28,7 +28,7 @@ class WorstArm(Objective):
     base: Objective = field(default_factory=WeightedWrench)
 
     def __post_init__(self) -> None:
-        positive("worst arm: weight", self.weight, LARGEST_FLOAT, "give a share of the cost")
+        positive("worst arm: weight", self.weight, MAX_FLOAT, "give a share of the cost")
 
     @property
     def looks_back(self) -> bool:

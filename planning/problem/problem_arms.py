@@ -117,12 +117,12 @@ def _bearing(
 
 def _postures(entry: UrdfEntry, folder: Path) -> PostureSource:
     from cartgrasp.spatial_pose import SpatialPose
-    from cartgrasp.urdf_arm import LEVEL, LinkMass, read_urdf_arm  # Pinocchio
+    from cartgrasp.urdf_arm import LEVEL_GRAVITY, LinkMass, read_urdf_arm  # Pinocchio
     from cartgrasp.urdf_postures import UrdfPostures
 
     masses = [LinkMass(one.link, one.mass, (one.centre[0], one.centre[1], one.centre[2])) for one in entry.added_masses]
     arm = read_urdf_arm(folder / entry.file, entry.tool, torque_limit=entry.torque_limit, added_masses=masses)
-    gravity = LEVEL if entry.feels_gravity else (0.0, 0.0, 0.0)
+    gravity = LEVEL_GRAVITY if entry.feels_gravity else (0.0, 0.0, 0.0)
     arm = arm.placed(SpatialPose.of(entry.base, *entry.base_turned), gravity)
     return UrdfPostures(arm, entry.hand_turned, entry.start)
 

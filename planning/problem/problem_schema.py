@@ -6,7 +6,7 @@ from typing import Annotated, Any
 
 from pydantic import AfterValidator, Field
 
-from cartgrasp.checks import LARGEST_NUMBER
+from cartgrasp.checks import MAX_NUMBER
 from cartgrasp.yaml_file import StrictModel
 
 from ..contacts.switching_cost import MAX_SWITCHING_COST
@@ -17,7 +17,7 @@ DEFAULT_WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
 def _limit(value: float) -> float:
     if not abs(value) < float("inf"):
         raise ValueError(f"{value} is not a finite number; leave the key out for no limit")
-    return _not_negative(value) if value <= LARGEST_NUMBER else float("inf")  # beyond it limits nothing
+    return _not_negative(value) if value <= MAX_NUMBER else float("inf")  # beyond it limits nothing
 
 
 def _not_negative(value: float) -> float:

@@ -14,7 +14,7 @@ from typing import Self
 import numpy as np
 from numpy.typing import ArrayLike
 
-from cartgrasp.contacts import LARGEST_POSITION, grasp_map_spatial
+from cartgrasp.contacts import MAX_POSITION, grasp_map_spatial
 from cartgrasp.frames import Array
 
 from ..allocation.allocation_template import AllocationTemplate
@@ -198,7 +198,7 @@ class CompiledPlanning:
         distance, reaching = self._own.distance, self._reaching
         if not (distance > 0 or reaching):
             return False
-        if not (np.abs(points) <= LARGEST_POSITION).all():
+        if not (np.abs(points) <= MAX_POSITION).all():
             return True
         if distance > 0:
             pairs = combinations(points.tolist(), 2)

@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import shown
-from cartgrasp.contacts import LARGEST_POSITION, ContactWrenches
+from cartgrasp.contacts import MAX_POSITION, ContactWrenches
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.frames import Array
 
@@ -53,8 +53,7 @@ def read_contacts(contacts: Mapping[str, Any], names: Sequence[str]) -> dict[str
         if name not in names:
             raise RefusedError(INVALID_INPUT, f"contacts: there is no arm {name!r}; there are {', '.join(names)}")
     return {
-        name: _read(point, f"contacts: {name}", "(x, y, z) in {b}", LARGEST_POSITION)
-        for name, point in contacts.items()
+        name: _read(point, f"contacts: {name}", "(x, y, z) in {b}", MAX_POSITION) for name, point in contacts.items()
     }
 
 

@@ -8,7 +8,7 @@ from dataclasses import replace
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import LARGEST_POSITION, ContactSet, Segment
+from cartgrasp.contacts import MAX_POSITION, ContactSet, Segment
 from cartgrasp.frames import Array
 
 from ..allocation.infeasibility import Certificate
@@ -55,8 +55,8 @@ def _aside(arms: Sequence[Arm], held: Array, index: int, distance: float) -> Can
     sets = [ContactSet(((x, y, z),)) for x, y, z in held.tolist()]
     x, y, z = held[index].tolist()
     low, high = (
-        max(y - CONTACT_SEARCH_HALF_WIDTH, -LARGEST_POSITION),
-        min(y + CONTACT_SEARCH_HALF_WIDTH, LARGEST_POSITION),
+        max(y - CONTACT_SEARCH_HALF_WIDTH, -MAX_POSITION),
+        min(y + CONTACT_SEARCH_HALF_WIDTH, MAX_POSITION),
     )
     aside = ContactSet(segments=(Segment((x, low, z), (x, high, z)),))
     reach = arms[index].reach

@@ -10,7 +10,7 @@ from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 from scipy.spatial.transform import Rotation
 
-from cartgrasp.arm_postures import REACHED, find_posture
+from cartgrasp.arm_postures import POSE_TOLERANCE, find_posture
 from cartgrasp.errors import UsageError
 from cartgrasp.spatial_pose import SpatialPose
 from cartgrasp.urdf_arm import UrdfArm, read_urdf_arm
@@ -40,8 +40,8 @@ def test_a_pose_that_the_arm_had_is_found_again(arm: DrawnArm, data: st.DataObje
     assert (np.abs(posture.configuration) <= 3).all()
     found_rotation, found_position = arm.tool(posture.configuration)
     assert np.linalg.norm(found_position - position) == pytest.approx(posture.position_error, abs=1e-12)
-    assert np.linalg.norm(found_position - position) <= REACHED
-    assert (found_rotation * rotation.inv()).magnitude() <= REACHED + 1e-12
+    assert np.linalg.norm(found_position - position) <= POSE_TOLERANCE
+    assert (found_rotation * rotation.inv()).magnitude() <= POSE_TOLERANCE + 1e-12
 
 
 def test_planar_arm_reaches_as_the_law_of_cosines_says(planar: UrdfArm):

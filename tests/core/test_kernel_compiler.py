@@ -14,14 +14,14 @@ from hypothesis import strategies as st
 from numba import njit
 
 from cartgrasp import compiling
-from cartgrasp.compiling import OPTIONS, cached_as, digest_of, inner
+from cartgrasp.compiling import JIT_OPTIONS, cached_as, digest_of, inner
 from cartgrasp.kernel_compiler import EntryLibrary, InnerLibrary, _all_called
 
 ROOT = Path(__file__).parents[2]
 
 
 def compiled(function):
-    return inner(function, OPTIONS)
+    return inner(function, JIT_OPTIONS)
 
 
 @compiled
@@ -46,7 +46,7 @@ def libraries(kernel):
 
 
 def test_an_entry_holds_what_it_calls_and_nothing_else_is_finished():
-    entry = njit(mean_square, pipeline_class=compiling.EntryCompiler, **OPTIONS)
+    entry = njit(mean_square, pipeline_class=compiling.EntryCompiler, **JIT_OPTIONS)
     assert entry(np.array([1.0, 2.0, 3.0])) == pytest.approx(14.0 / 3.0, rel=1e-15)
     assert [type(library) for library in libraries(entry)] == [EntryLibrary]
     for kernel in (squared, added):
@@ -88,14 +88,14 @@ import kernels
 print(kernels.entry(3.0), sum(kernels.entry.stats.cache_hits.values()))
 """
 KERNELS = """
-from cartgrasp.compiling import OPTIONS, cached_as, inner
+from cartgrasp.compiling import JIT_OPTIONS, cached_as, inner
 
 def tripled(x):
     return 3.0 * x
 
-tripled = inner(tripled, OPTIONS)
+tripled = inner(tripled, JIT_OPTIONS)
 
-@cached_as("a", OPTIONS)
+@cached_as("a", JIT_OPTIONS)
 def entry(x):
     return tripled(x) + 1.0
 """
@@ -119,4 +119,4 @@ def test_the_digest_says_how_they_were_compiled(tmp_path, monkeypatch):
     other.write_text("passes = 2\n")
     monkeypatch.setattr(compiling.kernel_compiler, "__file__", str(other))
     assert digest_of(tmp_path) != before
-    assert cached_as(before, OPTIONS)(mean_square).py_func.__qualname__ == f"mean_square_{before}"
+    assert cached_as(before, JIT_OPTIONS)(mean_square).py_func.__qualname__ == f"mean_square_{before}"

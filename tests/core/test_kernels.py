@@ -309,7 +309,7 @@ def test_every_kernel_has_its_own_number():
 @pytest.mark.parametrize("name", KINDS)
 def test_who_sticks_is_who_has_a_branch(name):
     branches = inspect.getsource(vocabulary.add_stiction.py_func)
-    assert (f"== {name.upper()}:" in branches) == (name in vocabulary.STICKING)
+    assert (f"== {name.upper()}:" in branches) == (name in vocabulary.STICTION_EFFECTS)
 
 
 def test_the_cached_kernels_carry_the_digest():

@@ -14,7 +14,7 @@ from scipy.spatial.transform import Rotation
 
 from cartgrasp.errors import FileError, UsageError
 from cartgrasp.spatial_pose import SpatialPose
-from cartgrasp.urdf_arm import LEVEL, LinkMass, read_urdf_arm
+from cartgrasp.urdf_arm import LEVEL_GRAVITY, LinkMass, read_urdf_arm
 
 from .drawn import numbers, vectors
 from .drawn_arms import DrawnArm, arms
@@ -153,7 +153,7 @@ def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
     with pytest.raises(UsageError, match=r"no moving link has a mass: give added_masses, or gravity_b=\(0, 0, 0\)"):
         weightless.joint_torques((0.4, -1.0))
     assert not weightless.placed(SpatialPose.of((0, 0, 0)), (0, 0, 0)).gravity_torque((0.4, -1.0)).any()
-    assert LEVEL == (0.0, 0.0, -9.81)
+    assert LEVEL_GRAVITY == (0.0, 0.0, -9.81)
 
 
 @pytest.mark.parametrize(

@@ -59,7 +59,7 @@ def test_a_hand_that_goes_a_little_way_takes_its_posture_along(arm):
 
 
 def test_what_is_remembered_is_bounded(arm, monkeypatch):
-    monkeypatch.setattr("cartgrasp.urdf_postures.MOST", 3)
+    monkeypatch.setattr("cartgrasp.urdf_postures.MAX_CACHED_POSTURES", 3)
     postures = UrdfPostures(arm, HAND, UP)
     found = [postures.posture((0.0, y, 0.8)) for y in np.linspace(0.3, 0.2, 11).tolist()]
     assert all(posture.reached for posture in found)

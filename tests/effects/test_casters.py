@@ -16,7 +16,7 @@ from scipy.integrate import solve_ivp
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import CasterRealignment
-from cartgrasp.effects.caster_realignment import SMOOTHING_RATE
+from cartgrasp.effects.caster_realignment import DEFAULT_SMOOTHING_RATE
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
@@ -41,10 +41,10 @@ def at_heading(cart, heading, velocity):
 
 @given(psi=numbers(0.05, 3.0), sign=st.sampled_from([1, -1]), speed=numbers(0.3, 2.0))
 def test_drag_of_a_caster_across_the_motion(psi, sign, speed):
-    """(T/b) |sin psi| against the motion; the smooth sign is low by (SMOOTHING_RATE / psi')² / 2."""
+    """(T/b) |sin psi| against the motion; the smooth sign is low by (DEFAULT_SMOOTHING_RATE / psi')² / 2."""
     cart = one_caster()
     force = cart.effect_wrench(at_heading(cart, sign * psi, [speed, 0.0, 0.0]))
-    low = (SMOOTHING_RATE * TRAIL / (speed * np.sin(psi))) ** 2 / 2
+    low = (DEFAULT_SMOOTHING_RATE * TRAIL / (speed * np.sin(psi))) ** 2 / 2
     np.testing.assert_allclose(force[0], -TORQUE / TRAIL * np.sin(psi), rtol=low + 1e-9)
 
 
@@ -67,7 +67,7 @@ def test_a_tyre_takes_its_torque_times_how_fast_the_caster_turns_on_the_floor(pl
     cart = replace(cart, effects=(CasterRealignment(scrub_torque=scrub),))
     state = at_heading(cart, delta, velocity)
     turning = velocity[2] + cart.rate(state, np.zeros(3)).value[-1]
-    slip = turning / np.hypot(turning, SMOOTHING_RATE)
+    slip = turning / np.hypot(turning, DEFAULT_SMOOTHING_RATE)
     assert cart.effect_wrench(state) @ velocity == pytest.approx(-scrub * slip * turning, abs=1e-9)
     across = np.array([-np.sin(delta), np.cos(delta)])
     force = -scrub / trail * slip * across
@@ -103,7 +103,7 @@ def test_the_wheel_does_not_slip_sideways_at_its_patch(place, delta, velocity):
 
 @pytest.mark.parametrize(("first", "last"), [(175.0, 5.0), (170.0, 2.0), (-175.0, -1.0)])
 def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
-    """At constant speed the energy is `T ∫ sin psi / sqrt(sin² psi + e²) dpsi`, e = SMOOTHING_RATE b / v."""
+    """At constant speed the energy is `T ∫ sin psi / sqrt(sin² psi + e²) dpsi`, e = DEFAULT_SMOOTHING_RATE b / v."""
     cart, speed = one_caster(), 0.8
 
     def rate(_, heading):
@@ -120,7 +120,7 @@ def test_a_full_swing_takes_its_energy_and_seven_trails(first, last):
     np.testing.assert_allclose(way, TRAIL * np.log(np.tan(psi[0] / 2) / np.tan(psi[1] / 2)), rtol=1e-7)
     assert 6 < way / TRAIL < 9
 
-    smoothing = np.sqrt(1 + (SMOOTHING_RATE * TRAIL / speed) ** 2)
+    smoothing = np.sqrt(1 + (DEFAULT_SMOOTHING_RATE * TRAIL / speed) ** 2)
     exact = TORQUE * np.diff(np.arcsin(np.cos(psi) / smoothing))[0]
     np.testing.assert_allclose(energy, exact, rtol=1e-6)
     np.testing.assert_allclose(energy, TORQUE * np.ptp(psi), rtol=0.02)  # what smoothing leaves out: 2 e of pi

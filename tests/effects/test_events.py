@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import ExternalPush, ForceBias, ForceMisalignment, ForceScale, PayloadChange
-from cartgrasp.effects.external_push import RISE
+from cartgrasp.effects.external_push import RISE_TIME
 from cartgrasp.inertia import Inertia, phi_from_physical
 from cartgrasp.model import CartModel
 from tests.core.drawn import numbers, vectors
@@ -21,10 +21,10 @@ INERTIA = Inertia(24.0, (0.0, 0.0), 2.0)
 def test_the_impulse_of_a_push_is_force_times_duration(start, duration, force, moment):
     """However short: the window's integral is its duration.
 
-    The trapezoid rule is off by exp(-pi² RISE / step), 4e-22; beyond 20 rises the window is below exp(-40).
+    The trapezoid rule is off by exp(-pi² RISE_TIME / step), 4e-22; beyond 20 rises the window is below exp(-40).
     """
     cart = CartModel(INERTIA, effects=(ExternalPush(start, duration, force, moment),))
-    times = np.arange(start - 20 * RISE, start + duration + 20 * RISE, 0.001)
+    times = np.arange(start - 20 * RISE_TIME, start + duration + 20 * RISE_TIME, 0.001)
     impulse = 0.001 * cart.effect_wrench(np.tile(cart.state(), (len(times), 1)), time=times).sum(axis=0)
     np.testing.assert_allclose(impulse, [force * duration, 0, moment * duration], atol=1e-9)
 

@@ -9,7 +9,7 @@ from scipy.integrate import solve_ivp
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import FloorPatch, FloorSlope, RollingResistance
-from cartgrasp.effects.floor_patch import EDGE
+from cartgrasp.effects.floor_patch import SMOOTHING_LENGTH
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import GRAVITY
@@ -80,10 +80,10 @@ def drag_at(cart, x, y=0.0, heading=0.0, speed=1.0):
 
 @given(length=numbers(0.05, 2.0), speed=numbers(0.5, 2.0), coefficient=numbers(0.01, 0.2))
 def test_crossing_a_strip_costs_its_length_times_the_drag(length, speed, coefficient):
-    """`∫ fx dx = -c m g L`: the product of two smoothed edges has the area L / (1 - exp(-2 L / EDGE)).
+    """`∫ fx dx = -c m g L`: the product of two edges, smoothed over h, has the area L / (1 - exp(-2 L / h)).
 
     The smooth sign is low by (s/u)²/2, 8e-6 at most. Of a smooth function that vanishes at both ends the
-    trapezoid rule has an error of exp(-pi² EDGE / step), 4e-22.
+    trapezoid rule has an error of exp(-pi² h / step), 4e-22.
     """
     patch = FloorPatch(x_min=1.0, x_max=1.0 + length, y_min=-5.0, y_max=5.0, coefficient=coefficient)
     cart = CART.with_effect(patch)
@@ -115,7 +115,9 @@ def test_each_wheel_feels_the_patch_by_itself():
 def test_the_edge_of_a_patch_is_a_centimetre_wide():
     cart = CART.with_effect(FloorPatch(1.72, 3.0, -1.0, 1.0, coefficient=0.05))
     steady = drag_at(cart, 1.3)[0]
-    at_edge, before, after = (drag_at(cart, 1.0 + way)[0] / steady for way in (0.0, -2 * EDGE, 2 * EDGE))
+    at_edge, before, after = (
+        drag_at(cart, 1.0 + way)[0] / steady for way in (0.0, -2 * SMOOTHING_LENGTH, 2 * SMOOTHING_LENGTH)
+    )
     assert at_edge == pytest.approx(0.5, abs=1e-3)
     assert before < 0.02
     assert after > 0.98

@@ -14,7 +14,12 @@ from cartgrasp.cart_file import cart_from_text, cart_text
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.effects import LearnedForce
-from cartgrasp.effects.learned_force import LONG_AGO, OF, ROUNDED, TURN
+from cartgrasp.effects.learned_force import (
+    INITIAL_REVERSAL_DISTANCE,
+    REVERSAL_LENGTH,
+    ROUNDING_FRACTION,
+    VARIABLE_NAMES,
+)
 from cartgrasp.errors import FileError, UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
@@ -42,7 +47,7 @@ def wrench_of(law, pose=(0.0, 0.0, 0.0), velocity=(0.0, 0.0, 0.0), time=0.0, way
 
 def rounded(x, knots, values):
     """`np.interp` averaged with 3 (1 - t²) / 4; kinks cost the quadrature 1e-5 of a slope's change."""
-    width = ROUNDED * np.diff(knots).min() if len(knots) > 1 else 1.0
+    width = ROUNDING_FRACTION * np.diff(knots).min() if len(knots) > 1 else 1.0
     return np.interp(x + width * NODES, knots, values) @ (WEIGHTS * 0.75 * (1 - NODES**2))
 
 
@@ -75,11 +80,14 @@ def test_a_law_of_the_heading_repeats_every_turn(heading):
 
 @given(pose=poses(), velocity=velocities(), time=numbers(-2, 2), way=numbers(-2, 2))
 def test_every_variable_is_interpolated(pose, velocity, time, way):
-    """A way before a reversal is short of it by TURN² / 2 |q|, and at 0 by half of TURN."""
+    """A way before a reversal is short of it by h² / 2 |q|, and at 0 by h / 2, h being `REVERSAL_LENGTH`."""
     u, _, r = velocity
     seen = {"time": time, "travelled_distance": way, "heading": None, "speed": u - 0.2 * r, "yaw_rate": r}
-    seen |= {"place": pose[0] * np.cos(0.7) + pose[1] * np.sin(0.7), "since_reversal": way**2 / np.hypot(way, TURN)}
-    assert tuple(seen) == OF
+    seen |= {
+        "place": pose[0] * np.cos(0.7) + pose[1] * np.sin(0.7),
+        "since_reversal": way**2 / np.hypot(way, REVERSAL_LENGTH),
+    }
+    assert tuple(seen) == VARIABLE_NAMES
     for of, value in seen.items():
         if of == "heading":
             continue
@@ -97,10 +105,10 @@ def test_the_interpolation_stays_between_its_values_and_keeps_straight_lines(x, 
     law = LearnedForce("forward_force", "time", knots=knots, amplitudes=tuple(values))
     assert values.min() - 1e-9 <= wrench_of(law, time=x)[0] <= values.max() + 1e-9
     line = replace(law, amplitudes=tuple(2 * np.array(knots) - 1))
-    if -1.0 + 0.5 * ROUNDED < x < 2.0 - 0.5 * ROUNDED:
+    if -1.0 + 0.5 * ROUNDING_FRACTION < x < 2.0 - 0.5 * ROUNDING_FRACTION:
         assert wrench_of(line, time=x)[0] == pytest.approx(2 * x - 1)
     for knot, value in zip(knots, values, strict=True):
-        spared = 3 / 16 * ROUNDED * 0.5 * np.abs(np.diff(values) / np.diff(knots)).max() * 2
+        spared = 3 / 16 * ROUNDING_FRACTION * 0.5 * np.abs(np.diff(values) / np.diff(knots)).max() * 2
         assert abs(wrench_of(law, time=knot)[0] - value) <= spared + 1e-12
 
 
@@ -197,27 +205,28 @@ def told_ways(speeds, step=0.002):
     cart = cart_with(LearnedForce("drag", "since_reversal", knots=(0.1, 1.0)), constraints=RAIL)
     n = len(speeds)
     told = cart.memory_along(np.zeros((n, 3)), speeds[:, None], step * np.arange(n))[:, 0]
-    ways, way, last = np.zeros(n), LONG_AGO, np.sign(speeds[0])
+    ways, way, last = np.zeros(n), INITIAL_REVERSAL_DISTANCE, np.sign(speeds[0])
     for i in range(1, n):
         rolled = step * (speeds[i] + speeds[i - 1]) / 2
         way = abs(rolled) if rolled * last < 0 else way + abs(rolled)
         last = np.sign(rolled) or last
         ways[i] = way
-    ways[0] = LONG_AGO
+    ways[0] = INITIAL_REVERSAL_DISTANCE
     return np.abs(told), ways
 
 
 @pytest.mark.parametrize("pace", [0.2, 1.0, 2.5])
 def test_a_reversal_is_told_within_some_centimetres_at_any_speed(pace):
-    """After TURN log(1 + D / TURN) at D; from there on the way is short by that, and by what rounding costs."""
+    """After h log(1 + D / h) at D, h being `REVERSAL_LENGTH`; from there on the way is short by that, and by
+    what rounding costs."""
     speeds = pace * np.sin(2 * np.pi * np.arange(round(3000 / pace)) * 0.002 * pace / 4.0 + 0.3)
     told, ways = told_ways(speeds)
-    late = TURN * np.log(1 + (LONG_AGO + 1.5) / TURN) + TURN
+    late = REVERSAL_LENGTH * np.log(1 + (INITIAL_REVERSAL_DISTANCE + 1.5) / REVERSAL_LENGTH) + REVERSAL_LENGTH
     since = ways > late
     assert (np.diff(np.sign(speeds)) != 0).sum() == 3
-    assert np.all(told[since] <= ways[since] + 0.5 * TURN)
+    assert np.all(told[since] <= ways[since] + 0.5 * REVERSAL_LENGTH)
     assert np.all(told[since] >= ways[since] - late)
-    assert told[np.argmax((ways > late / 2) & (ways < late) & (np.arange(len(ways)) > 100))] < LONG_AGO
+    assert told[np.argmax((ways > late / 2) & (ways < late) & (np.arange(len(ways)) > 100))] < INITIAL_REVERSAL_DISTANCE
 
 
 def test_a_stop_on_the_way_counts_for_nothing():

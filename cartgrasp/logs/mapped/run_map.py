@@ -8,7 +8,7 @@ from typing import Annotated, Generic, Literal, TypeVar
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap
 
-from ...checks import FARTHEST, angle
+from ...checks import MAX_DISTANCE, angle
 from ...errors import FileError, UsageError, printable
 from ...yaml_file import StrictModel, file_error, validate
 
@@ -85,8 +85,8 @@ class RunMap(StrictModel):
                 yield where, "an arm's name has no dot and is not empty"
             if arm.contact is None:
                 yield (*where, "contact"), "is not stated: give [x, y, z] of the contact point in {b}, m"
-            if isinstance(arm.contact, list) and max(map(abs, arm.contact)) > FARTHEST:
-                yield (*where, "contact"), f"{arm.contact} is beyond {FARTHEST:g} m; lengths are in m"
+            if isinstance(arm.contact, list) and max(map(abs, arm.contact)) > MAX_DISTANCE:
+                yield (*where, "contact"), f"{arm.contact} is beyond {MAX_DISTANCE:g} m; lengths are in m"
             yield from _of_angles((*where, "sensor", "rpy"), arm.sensor.rpy)
             if arm.force is None:
                 why = "is not stated: on_cart if positive numbers are what the arm does to the cart, else on_sensor"

@@ -9,14 +9,14 @@ from estimation.online.kernels.jit import compiled, row_compiled
 from planning import steering
 from planning.kernels.jit import DIGEST as PLANNING
 
-from ...compiling import OPTIONS, cached_as, digest
+from ...compiling import JIT_OPTIONS, cached_as, digest
 
 SOURCES = (
     Path(steering.__file__),
     *(Path(__file__).with_name(name) for name in ("jit.py", "tick.py", "values.py")),
 )
 OWN = digest([path.read_bytes() for path in SOURCES])
-entry = cached_as("_".join((OWN, ESTIMATION, PLANNING)), OPTIONS)
+entry = cached_as("_".join((OWN, ESTIMATION, PLANNING)), JIT_OPTIONS)
 making_arrays = row_compiled
 
 __all__ = ["compiled", "entry", "making_arrays"]

@@ -19,7 +19,7 @@ from planning.planner import WrenchPlanner
 from planning.tick.compiled_allocation import CompiledAllocation
 
 from ...bounce import walls_of
-from ...compiled_dynamics import STABLE
+from ...compiled_dynamics import MAX_STEP_STIFFNESS
 from ...effects.wheel_force import WheelForce
 from ...errors import PlantError
 from ...frames import Array, body_to_world
@@ -107,7 +107,7 @@ class _Run:
 
     def record(self) -> RunRecord:
         s = self.scenario
-        stable = STABLE if s.truth.effects else np.inf
+        stable = MAX_STEP_STIFFNESS if s.truth.effects else np.inf
         limits = s.period, s.plant_timestep or MAX_STEP, stable
         while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.DONE:
             if code == tick.ROW:

@@ -20,7 +20,7 @@ from planning.kernels.workspace import views
 from ...frames import Array
 from ...kernels import entries
 from ...kernels.jit import Ints
-from ...kernels.workspace import MEMORY, N_PHI, copy
+from ...kernels.workspace import MEMORY_COLUMN, N_PHI, copy
 from .jit import compiled, entry, making_arrays
 from .values import Blocks, Course, Held, Series
 
@@ -88,7 +88,7 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
         if abs(wanted[a]) > steering.MIN_REFERENCE_SPEED:
             states[1, 3 + a] = wanted[a]
     entries.effects(blocks.cart, blocks.cart_ints, states, told)
-    first, width = N_PHI + N_PHI * p, MEMORY + n - 3 - f + p
+    first, width = N_PHI + N_PHI * p, MEMORY_COLUMN + n - 3 - f + p
     for i in range(3):
         drag = told[0, first + i * width] - told[1, first + i * width]
         u += drag * course.basis[i, 0]

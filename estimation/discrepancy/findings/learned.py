@@ -10,7 +10,7 @@ import numpy as np
 
 from cartgrasp.checks import unrounded
 from cartgrasp.effects import LearnedForce
-from cartgrasp.effects.learned_force import AT_A_LEVER
+from cartgrasp.effects.learned_force import LEVER_TARGETS
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -116,14 +116,14 @@ class LearnedLaw:
         effect, where = self.effect, ""
         if effect.acts_on == "world_force":
             where = self._towards
-        if effect.lever and effect.acts_on in AT_A_LEVER:
+        if effect.lever and effect.acts_on in LEVER_TARGETS:
             where = f" {self._side}"
         return FORCES[effect.acts_on] + where
 
     @property
     def _of_wheel(self) -> str:
         """Which wheel's way it is, where it is one's."""
-        return f" {'there' if self.effect.acts_on in AT_A_LEVER else self._side}" if self.effect.lever else ""
+        return f" {'there' if self.effect.acts_on in LEVER_TARGETS else self._side}" if self.effect.lever else ""
 
     @property
     def _side(self) -> str:

@@ -12,7 +12,7 @@ from numpy.typing import ArrayLike
 from scipy.interpolate import BSpline
 
 from cartgrasp.effects import LearnedForce
-from cartgrasp.effects.learned_force import AT_A_LEVER
+from cartgrasp.effects.learned_force import LEVER_TARGETS
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
@@ -177,7 +177,7 @@ def smooth_laws(motions: Sequence[Motion], cart: CartModel, lever: float = 0.0) 
     found = list(_on_all(motions))
     if cart.constraints.n_free > 1:
         found += [*_on_turns(motions), *_of_world(motions, 0.0), *_of_world(motions, float(cart.inertia.com[0]))]
-    at_hands = [law for law in found if lever and law.effects[0].acts_on in AT_A_LEVER]
+    at_hands = [law for law in found if lever and law.effects[0].acts_on in LEVER_TARGETS]
     return found + [
         replace(law, form=f"{law.form} {AT_HANDS}", effects=tuple(replace(e, lever=lever) for e in law.effects))
         for law in at_hands

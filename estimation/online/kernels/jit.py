@@ -7,21 +7,21 @@ from pathlib import Path
 import numpy as np
 from numpy.typing import NDArray
 
-from cartgrasp.compiling import OPTIONS, F, cached_as, digest_of, inner
+from cartgrasp.compiling import JIT_OPTIONS, F, cached_as, digest_of, inner
 from cartgrasp.kernels.jit import DIGEST
 
 Indices = NDArray[np.int64]
 OWN = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
-entry = cached_as(OWN, OPTIONS)
+entry = cached_as(OWN, JIT_OPTIONS)
 """Entries hold code of the cart's kernels, too."""
-WITH_ARRAYS = OPTIONS | {"_nrt": True}
+WITH_ARRAYS = JIT_OPTIONS | {"_nrt": True}
 row_entry = cached_as(OWN, WITH_ARRAYS)
 """Compiles what is called ten times a second, and may make arrays."""
 
 
 def compiled(function: F) -> F:
     """Compiles a kernel that only kernels call, and that makes no arrays."""
-    return inner(function, OPTIONS)
+    return inner(function, JIT_OPTIONS)
 
 
 def row_compiled(function: F) -> F:

@@ -8,7 +8,7 @@ from functools import cached_property
 
 import numpy as np
 
-from cartgrasp.effects.effect import USUAL_SPREAD
+from cartgrasp.effects.effect import TYPICAL_MEMORY_SPREAD
 from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
@@ -43,7 +43,7 @@ class FollowedMemory:
         if not self.cart.memory_names:
             return self
         spread, step = self.cart.memory_spread, float(moved.time[k] - moved.time[0])
-        more = self.swivel**2 * step * (spread / USUAL_SPREAD) ** 2
+        more = self.swivel**2 * step * (spread / TYPICAL_MEMORY_SPREAD) ** 2
         std = np.minimum(np.sqrt(moved.memory_std[k] ** 2 + more), MOST_SPREADS * spread)
         return FollowedMemory(self.cart, self.swivel, (moved.memory[k], std))
 

@@ -13,7 +13,13 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import CasterRealignment, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import physical_jacobian
-from cartgrasp.information import CERTAIN, covariance_after, information_of, parameter_regressor, reduced_noise
+from cartgrasp.information import (
+    KNOWN_INFORMATION,
+    covariance_after,
+    information_of,
+    parameter_regressor,
+    reduced_noise,
+)
 from cartgrasp.roles import ContactQuery
 from cartgrasp.wheels import Wheel
 from estimation import CartFilter, Prior
@@ -285,7 +291,7 @@ def test_learning_where_something_is_known_for_sure():
     assert np.allclose(after[np.ix_(free, free)], expected)
     assert np.abs(after[[1, 4]]).max() < 1e-15
     told = information_of(covariance)
-    assert told[1, 1] == told[4, 4] == CERTAIN
+    assert told[1, 1] == told[4, 4] == KNOWN_INFORMATION
     assert np.allclose(told[np.ix_(free, free)], np.linalg.inv(half[:4] @ half[:4].T))
     learned = np.linalg.inv(told + information)
     assert np.allclose(learned[np.ix_(free, free)], expected, rtol=1e-4)
