@@ -18,7 +18,7 @@ from rosbags.typesys import Stores, get_typestore
 from cartgrasp.logs import ArmLog, RunLog, read_log, write_log
 from cartgrasp.logs.bags import open_bag
 from cartgrasp.logs.bags.bag import Message
-from cartgrasp.logs.bags.messages import COVARIANCE, NANO, ODOMETRY, decode
+from cartgrasp.logs.bags.messages import COVARIANCE_SIZE, NS_PER_S, ODOMETRY_TYPE, decode
 
 from .report import Result, Table, number
 
@@ -99,11 +99,11 @@ def _write(
 
 def _as_ros1(message: Message) -> bytes:
     (sample,) = decode(message.raw, message.kind, is_ros1=False)
-    head = struct.pack("<III", 0, sample.stamp // NANO, sample.stamp % NANO) + _text(sample.frame)
+    head = struct.pack("<III", 0, sample.stamp // NS_PER_S, sample.stamp % NS_PER_S) + _text(sample.frame)
     numbers = sample.numbers
-    if message.kind == ODOMETRY:
+    if message.kind == ODOMETRY_TYPE:
         head += _text(sample.child)
-        nothing = (0.0,) * COVARIANCE
+        nothing = (0.0,) * COVARIANCE_SIZE
         numbers = numbers[:7] + nothing + numbers[7:] + nothing
     return head + struct.pack(f"<{len(numbers)}d", *numbers)
 

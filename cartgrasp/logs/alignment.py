@@ -14,9 +14,9 @@ from ..frames import Array
 from ..model import CartModel
 from .run_log import ArmLog, RunLog
 
-EARLIER = 1e-6
+TIE_BREAK_FRACTION = 1e-6
 """Share of a step by which the earlier of two equally near samples is preferred, whatever rounding says."""
-FAR = 0.75
+MAX_OFFSET_STEPS = 0.75
 """Steps: from here on a sample is another row's."""
 
 
@@ -37,7 +37,7 @@ def _moved(time: Array, rows: Array, delay: float) -> Array:
     if len(time) < 2:
         return np.full_like(rows, np.nan)
     step = np.median(np.diff(time))
-    at = time + delay - EARLIER * step
+    at = time + delay - TIE_BREAK_FRACTION * step
     after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     nearest = np.where(at - time[after - 1] <= time[after] - at, after - 1, after)
-    return np.where(np.abs(time[nearest] - at)[:, None] < FAR * step, rows[nearest], np.nan)
+    return np.where(np.abs(time[nearest] - at)[:, None] < MAX_OFFSET_STEPS * step, rows[nearest], np.nan)

@@ -17,12 +17,12 @@ from ..yaml_file import did_you_mean
 from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS, ArmLog, RunLog
 
 ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS
-MISSING = ("", "nan", "NaN", "NAN")
-KNOWN = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
+MISSING_CELLS = ("", "nan", "NaN", "NAN")
+MOTION_COLUMNS = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
 PAGE = "docs/tables.md"
 """Which explains how a table of other columns is read."""
-MOST_NAMED = 12
-LONGEST = 40
+MAX_COLUMNS_SHOWN = 12
+MAX_CELL_CHARS = 40
 """Characters of a cell that are repeated in an error."""
 
 
@@ -85,7 +85,9 @@ def check_columns(header: Sequence[str], name: str) -> None:
 
 
 def _some(columns: Sequence[str]) -> str:
-    return ", ".join(columns[:MOST_NAMED]) + (f" and {len(columns) - MOST_NAMED} more" * (len(columns) > MOST_NAMED))
+    return ", ".join(columns[:MAX_COLUMNS_SHOWN]) + (
+        f" and {len(columns) - MAX_COLUMNS_SHOWN} more" * (len(columns) > MAX_COLUMNS_SHOWN)
+    )
 
 
 def _instead(header: Sequence[str]) -> str:
@@ -98,7 +100,7 @@ def _instead(header: Sequence[str]) -> str:
     for sign in ";\t":
         if line.count(sign) > line.count(","):
             return f": cells are parted by {sign!r}; part them by commas, and write numbers with a point"
-    others = [column for column in header if column and "." not in column and column not in KNOWN]
+    others = [column for column in header if column and "." not in column and column not in MOTION_COLUMNS]
     return f"; not known are {_short(', '.join(others))}" if others else ""
 
 
@@ -160,7 +162,7 @@ def _is_plain(text: str) -> bool:
 
 def _number(cell: str, column: str, line: int, name: str) -> float:
     cell = cell.strip()
-    if cell in MISSING:
+    if cell in MISSING_CELLS:
         return math.nan
     try:
         if not _is_plain(cell):
@@ -172,7 +174,7 @@ def _number(cell: str, column: str, line: int, name: str) -> float:
 
 
 def _short(text: str) -> str:
-    return text if len(text) <= LONGEST else text[:LONGEST] + "…"
+    return text if len(text) <= MAX_CELL_CHARS else text[:MAX_CELL_CHARS] + "…"
 
 
 def _check_clock(time: Array, name: str, lines: Sequence[int]) -> None:

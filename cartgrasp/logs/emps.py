@@ -20,8 +20,8 @@ from ..frames import Array
 from ..model import CartModel
 from .run_log import ArmLog, RunLog
 
-ARM = "drive"
-VARIABLES = ("t", "qm", "vir", "gtau")
+EMPS_ARM = "drive"
+EMPS_VARIABLES = ("t", "qm", "vir", "gtau")
 RAIL_CART = """\
 # The EMPS axis before anything is known of it: a cart on a rail.
 name: EMPS linear axis
@@ -61,7 +61,7 @@ def read_emps(path: str | Path) -> RunLog:
         time=time,
         pose=np.column_stack([position, zero, zero]),
         velocity=None,
-        arms={ARM: ArmLog(np.zeros((len(time), 3)), wrench)},
+        arms={EMPS_ARM: ArmLog(np.zeros((len(time), 3)), wrench)},
         name=name,
     )
 
@@ -69,11 +69,11 @@ def read_emps(path: str | Path) -> RunLog:
 def _variables(name: str) -> list[Array]:
     """t, qm, vir and gtau, flat."""
     data = _matlab_file(name)
-    for key in VARIABLES:
+    for key in EMPS_VARIABLES:
         if key not in data:
             raise LogError(Place(name), key, "this variable is missing; an EMPS file has t, qm, qg, vir and gtau")
     found = []
-    for key in VARIABLES:
+    for key in EMPS_VARIABLES:
         value = data[key]
         if not isinstance(value, np.ndarray) or value.dtype.kind not in "fiu":
             raise LogError(Place(name), key, "does not hold real numbers")
@@ -91,7 +91,7 @@ def _matlab_file(name: str) -> dict[str, Any]:
     try:
         with warnings.catch_warnings():
             warnings.simplefilter("error")  # what may be corrupt is refused
-            return dict(loadmat(name, variable_names=VARIABLES))
+            return dict(loadmat(name, variable_names=EMPS_VARIABLES))
     except OSError as error:
         raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
     except (MatReadError, ValueError, TypeError, LookupError, ArithmeticError, MemoryError) as error:

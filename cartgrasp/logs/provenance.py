@@ -7,7 +7,7 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-BLOCK = 1 << 20
+READ_BLOCK_SIZE = 1 << 20
 
 
 def provenance(
@@ -33,7 +33,7 @@ def provenance(
 def sum_of(path: Path) -> str:
     found = hashlib.sha256()
     with open(path, "rb") as stream:
-        while block := stream.read(BLOCK):
+        while block := stream.read(READ_BLOCK_SIZE):
             found.update(block)
     return found.hexdigest()
 

@@ -9,7 +9,7 @@ from mcap.writer import Writer as McapWriter
 from cartgrasp.errors import FileError, LogError
 from cartgrasp.logs import read_log
 from cartgrasp.logs.bags import open_bag, read_bag
-from cartgrasp.logs.bags.messages import ODOMETRY, TRANSFORMS, WRENCH, Sample, encode, encode_transforms
+from cartgrasp.logs.bags.messages import ODOMETRY_TYPE, TF_TYPE, WRENCH_TYPE, Sample, encode, encode_transforms
 
 from . import bag_files as files
 from .bag_files import MAP, push, stamp
@@ -101,17 +101,17 @@ def rows(*makers, n=50):
 
 def odom(ns):
     numbers = (0.0,) * 6 + (1.0,) + (0.0,) * 6
-    return "/odom", ODOMETRY, encode(Sample(ns, "odom", "base_link", numbers), ODOMETRY), ns
+    return "/odom", ODOMETRY_TYPE, encode(Sample(ns, "odom", "base_link", numbers), ODOMETRY_TYPE), ns
 
 
 def wrench(ns, topic="/left/wrench"):
-    return topic, WRENCH, encode(Sample(ns, "sensor", "", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)), WRENCH), ns
+    return topic, WRENCH_TYPE, encode(Sample(ns, "sensor", "", (1.0, 2.0, 3.0, 4.0, 5.0, 6.0)), WRENCH_TYPE), ns
 
 
 def transform(frame, child, topic="/tf", x=0.0):
     def make(ns):
         sample = Sample(ns, frame, child, (x, 0.0, 0.0, 0.0, 0.0, 0.0, 1.0))
-        return topic, TRANSFORMS, encode_transforms([sample]), ns
+        return topic, TF_TYPE, encode_transforms([sample]), ns
 
     return make
 

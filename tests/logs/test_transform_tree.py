@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cartgrasp.logs.bags.likely_path import likely_path
 from cartgrasp.logs.bags.transform_chain import composed
 from cartgrasp.logs.bags.transform_tree import BadTreeError, NoPathError, TransformTree, frames_on, usual
-from cartgrasp.logs.mapped.clocked import Clocked
-from cartgrasp.logs.mapped.steps import Steps
+from cartgrasp.logs.mapped.clocked import TimedSamples
+from cartgrasp.logs.mapped.steps import ProcessingSteps
 
 GAP = 0.25
 SEEDS = st.integers(0, 2**32 - 1)
@@ -88,8 +88,8 @@ def test_any_path_is_the_product_of_matrices(tree, seed):
         child = int(link.key[1][1])
         time = np.sort(rng.choice(2000, rng.integers(20, 60), replace=False)) * 1e-3
         time = np.concatenate([[0.0], time[time > 0], [2.0]])
-        clocked.append(Clocked(time, links[child].numbers(time), static[child]))
-    found = composed("pose", path, clocked, GAP, Steps())
+        clocked.append(TimedSamples(time, links[child].numbers(time), static[child]))
+    found = composed("pose", path, clocked, GAP, ProcessingSteps())
     moving = [c for c in clocked if not c.is_static]
     assert found.is_static == (not moving)
     if moving:
@@ -109,7 +109,9 @@ def test_a_jump_is_spread_between_two_transforms_and_no_further():
     slow = np.column_stack([[0, 0, 1, 1], np.zeros((4, 4)), np.sin(half), np.cos(half)])
     at = np.arange(31) / 10
     fast = np.tile([0.0, 0, 0, 0, 0, 0, 1], (31, 1))
-    found = composed("pose", path, [Clocked(np.arange(4.0), slow), Clocked(at, fast)], 1.0, Steps()).numbers
+    found = composed(
+        "pose", path, [TimedSamples(np.arange(4.0), slow), TimedSamples(at, fast)], 1.0, ProcessingSteps()
+    ).numbers
     assert found[:, 0] == pytest.approx(np.clip(at - 1, 0, 1), abs=1e-12)
     yaw = np.degrees(2 * np.arctan2(found[:, 5], found[:, 6])) % 360
     assert yaw == pytest.approx(170 + 20 * np.clip(at - 1, 0, 1), abs=1e-9)
@@ -120,13 +122,13 @@ def test_what_is_missing_is_missing():
     time, rows = np.arange(10) / 10, np.tile([1.0, 0, 0, 0, 0, 0, 1], (10, 1))
     holed = rows.copy()
     holed[3, 2], holed[6] = np.nan, np.nan
-    steps = Steps()
-    found = composed("pose", path, [Clocked(time, rows), Clocked(time, holed)], 0.1, steps).numbers
+    steps = ProcessingSteps()
+    found = composed("pose", path, [TimedSamples(time, rows), TimedSamples(time, holed)], 0.1, steps).numbers
     assert np.flatnonzero(np.isnan(found).any(axis=1)).tolist() == [3, 6]
     assert np.isnan(found[[3, 6]]).all()
     assert steps.done[-1].figures == {"links": 2, "samples": 10, "left out": 0, "missing": 2}
     assert np.isnan(
-        composed("pose", path, [Clocked(time, rows), Clocked(time, 0 * rows + np.nan)], 1.0, steps).numbers
+        composed("pose", path, [TimedSamples(time, rows), TimedSamples(time, 0 * rows + np.nan)], 1.0, steps).numbers
     ).all()
 
 

@@ -11,8 +11,8 @@ from typing import NamedTuple
 from ...errors import LogError, Place, printable
 
 STORAGES = (".mcap", ".db3")
-SUFFIXES = (".bag", *STORAGES)
-SALVAGE = "`cartgrasp convert --salvage` keeps what can be read"
+BAG_SUFFIXES = (".bag", *STORAGES)
+SALVAGE_HINT = "`cartgrasp convert --salvage` keeps what can be read"
 
 
 class Message(NamedTuple):

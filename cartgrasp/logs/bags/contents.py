@@ -13,14 +13,14 @@ from ...frames import Array
 from ..mapped.planar_pose import planar
 from .bag import Bag
 from .likely_path import likely_path
-from .messages import DECODERS, ODOMETRY, POSE, TF, WRENCH, BadMessageError, Sample, decode
-from .topic_samples import LARGEST, frames_of
+from .messages import DECODERS, ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE, BadMessageError, Sample, decode
+from .topic_samples import MAX_MEASUREMENT, frames_of
 from .transform_tree import arrow, frames_on
 
-NANO = 1e9
-ENOUGH = 20_000
+NS_PER_S = 1e9
+MAX_NOISE_SAMPLES = 20_000
 """Samples of a topic that its noise is read off."""
-FEWEST = 20
+MIN_NOISE_SAMPLES = 20
 
 
 @dataclass
@@ -42,7 +42,7 @@ class TopicContent:
         self.count += 1
         if sample is not None:
             self.is_stamped |= sample.stamp != 0
-            if len(self.numbers) < ENOUGH:
+            if len(self.numbers) < MAX_NOISE_SAMPLES:
                 self.numbers.append(sample.numbers)
 
     @property
@@ -52,12 +52,12 @@ class TopicContent:
     @property
     def rate(self) -> float | None:
         """Hz."""
-        return (self.count - 1) / (self.last - self.first) * NANO if self.last > self.first else None
+        return (self.count - 1) / (self.last - self.first) * NS_PER_S if self.last > self.first else None
 
     def as_dict(self, start: int) -> dict[str, Any]:
         """First and last in s from the bag's start."""
         frames = {} if self.frames is None else {"frame": self.frames[0], "child": self.frames[1]}
-        times = {"rate": self.rate, "first": (self.first - start) / NANO, "last": (self.last - start) / NANO}
+        times = {"rate": self.rate, "first": (self.first - start) / NS_PER_S, "last": (self.last - start) / NS_PER_S}
         return {"topic": self.topic, "type": self.kind, **frames, "count": self.count, **times}
 
 
@@ -73,7 +73,7 @@ def contents_of(bag: Bag) -> list[TopicContent]:
                 samples = decode(message.raw, message.kind, bag.is_ros1)
             except BadMessageError:
                 samples = ()
-        is_tf = message.kind in TF
+        is_tf = message.kind in TF_TYPES
         found[message.topic, None].add(message.received, samples[0] if samples and not is_tf else None)
         for sample in samples if is_tf else ():
             frames = frames_of(sample)
@@ -87,8 +87,8 @@ def contents_of(bag: Bag) -> list[TopicContent]:
 def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
     """A `topics.yaml`, or None where no topic holds a pose."""
     full = [c for c in contents if c.count]
-    wrenches = [c for c in full if c.kind == WRENCH]
-    poses = [c for c in full if c.kind == ODOMETRY] or [c for c in full if c.kind == POSE]
+    wrenches = [c for c in full if c.kind == WRENCH_TYPE]
+    poses = [c for c in full if c.kind == ODOMETRY_TYPE] or [c for c in full if c.kind == POSE_TYPE]
     transforms = {(c.topic, c.frames): c for c in full if c.frames is not None}
     path = [] if poses else likely_path({key: c.count for key, c in transforms.items()})
     poses = poses or [transforms[link.key] for link in path if not link.is_static]
@@ -127,7 +127,7 @@ def proposed_map(contents: Sequence[TopicContent], name: str) -> str | None:
 def _pose_lines(pose: TopicContent, frames: Sequence[str]) -> list[str]:
     """`pose` moves fastest of the transforms between the frames, if it is one."""
     noise = _noise(pose)
-    velocity = "twist" if pose.kind == ODOMETRY else "none"
+    velocity = "twist" if pose.kind == ODOMETRY_TYPE else "none"
     lines = ["pose:", f"  topic: {_quoted(pose.topic)}"]
     if frames:
         lines += [f"  frame: {_quoted(frames[0])}", f"  child: {_quoted(frames[-1])}"]
@@ -146,11 +146,11 @@ def _pose_lines(pose: TopicContent, frames: Sequence[str]) -> list[str]:
 
 def _noise(pose: TopicContent) -> tuple[float, float] | None:
     """Noise of position (m) and heading (rad); None where there are too few samples, or where one has no noise."""
-    if len(pose.numbers) < FEWEST:
+    if len(pose.numbers) < MIN_NOISE_SAMPLES:
         return None
     numbers = np.array([numbers[:7] for numbers in pose.numbers])
-    samples = planar(numbers[(np.abs(numbers) <= LARGEST).all(axis=1)])
-    if len(samples) < FEWEST:
+    samples = planar(numbers[(np.abs(numbers) <= MAX_MEASUREMENT).all(axis=1)])
+    if len(samples) < MIN_NOISE_SAMPLES:
         return None
     x, y, heading = (_noise_floor(samples[:, k]) for k in range(3))
     position = max(x, y)

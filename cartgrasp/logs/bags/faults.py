@@ -8,11 +8,11 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import NDArray
 
-from .bag import SALVAGE, Bag
+from .bag import SALVAGE_HINT, Bag
 from .topic_samples import TopicSamples
 
-DAY = 86_400.0
-NANO = 1_000_000_000
+SECONDS_PER_DAY = 86_400.0
+NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True)
@@ -30,7 +30,7 @@ def without(samples: TopicSamples, fault: Fault, bag: Bag, is_salvage: bool) -> 
         return samples
     if not is_salvage:
         number = samples.message[int(np.argmax(fault.is_there))]
-        raise bag.refuse(f"message {number}: {fault.why}; {SALVAGE}", samples.topic)
+        raise bag.refuse(f"message {number}: {fault.why}; {SALVAGE_HINT}", samples.topic)
     bag.lost.append(f"{samples.topic}: {int(fault.is_there.sum())} samples {fault.lost}")
     return samples.only(~fault.is_there)
 
@@ -54,12 +54,12 @@ def far_stamps(samples: TopicSamples, max_gap: float) -> Fault:
     """Header stamps that are days (or beyond `max_gap`, in s, if that is longer) from those of most others: a clock
     that was set anew, or a header that was never stamped."""
     order = np.argsort(samples.stamp, kind="stable")
-    cuts = np.diff(samples.stamp[order]) / NANO > max(DAY, max_gap)
+    cuts = np.diff(samples.stamp[order]) / NS_PER_S > max(SECONDS_PER_DAY, max_gap)
     group = np.empty(len(samples), dtype=np.int64)
     group[order] = np.concatenate([[0], np.cumsum(cuts)])
     most = int(np.bincount(group).argmax())
     far = group != most
-    days = (samples.stamp[int(np.argmax(far))] - np.median(samples.stamp[~far])) / NANO / DAY
+    days = (samples.stamp[int(np.argmax(far))] - np.median(samples.stamp[~far])) / NS_PER_S / SECONDS_PER_DAY
     why = (
         f"its header's stamp is {days:+.0f} days from those of most others (`stamps: receive` in the map does without)"
     )

@@ -7,7 +7,7 @@ from collections.abc import Mapping
 from .topic_samples import Key
 from .transform_tree import BadTreeError, Link, TransformTree, is_static, with_static
 
-BASES = ("base_link", "base_footprint")
+BASE_FRAMES = ("base_link", "base_footprint")
 
 
 def likely_path(counts: Mapping[Key, int]) -> list[Link]:
@@ -18,7 +18,7 @@ def likely_path(counts: Mapping[Key, int]) -> list[Link]:
         return []
     busiest = max(moving, key=lambda key: moving[key])
     tree = TransformTree(key for key in counts if key[0] in with_static(busiest[0]))
-    bases = [frame for base in BASES for frame in tree.frames if frame.rpartition("/")[2] == base]
+    bases = [frame for base in BASE_FRAMES for frame in tree.frames if frame.rpartition("/")[2] == base]
     try:
         path = [Link(key) for key in reversed(tree.above(bases[0] if bases else busiest[1][1]))]
     except BadTreeError:

@@ -8,7 +8,7 @@ import zlib
 from collections import Counter
 from dataclasses import dataclass, field
 
-from .mcap_records import CHUNK, FOOTER, MAGIC, MESSAGE, Op, pairs, record, text
+from .mcap_records import CHUNK_HEADER, FOOTER, MCAP_MAGIC, MESSAGE_HEADER, Op, pairs, record, text
 
 if sys.version_info >= (3, 14):
     from compression import zstd
@@ -36,7 +36,7 @@ class McapFile:
     metadata_indexes: list[bytes] = field(default_factory=list)
 
     def __post_init__(self) -> None:
-        self.data += MAGIC + record(Op.HEADER, text("ros2"), text(self.library))
+        self.data += MCAP_MAGIC + record(Op.HEADER, text("ros2"), text(self.library))
         for name, values in self.metadata.items():
             start = len(self.data)
             self.data += record(Op.METADATA, text(name), pairs(values))
@@ -58,7 +58,7 @@ class McapFile:
     def message(self, channel: int, time: int, raw: bytes) -> None:
         """Times in ns must not go back."""
         self.messages.append((channel, time, len(self.chunk)))
-        self.chunk += record(Op.MESSAGE, MESSAGE.pack(channel, self.counts[channel], time, time), raw)
+        self.chunk += record(Op.MESSAGE, MESSAGE_HEADER.pack(channel, self.counts[channel], time, time), raw)
         self.counts[channel] += 1
         self.times = [self.times[0] if self.times else time, time]
         if len(self.chunk) > CHUNK_SIZE:
@@ -76,7 +76,7 @@ class McapFile:
         statistics = record(Op.STATISTICS, STATISTICS.pack(*about, len(self.chunk_indexes), first, last), text(numbers))
         footer = record(Op.FOOTER, FOOTER.pack(summary, 0, 0))
         behind = b"".join([bytes(self.repeated), statistics, *self.chunk_indexes, *self.metadata_indexes, footer[:-4]])
-        return bytes(self.data) + behind + struct.pack("<I", zlib.crc32(behind)) + MAGIC
+        return bytes(self.data) + behind + struct.pack("<I", zlib.crc32(behind)) + MCAP_MAGIC
 
     def _repeat(self, entry: bytes) -> None:
         self.data += entry
@@ -86,7 +86,7 @@ class McapFile:
         raw = bytes(self.chunk)
         packed, first, last = zstd.compress(raw), self.messages[0][1], self.messages[-1][1]
         start = len(self.data)
-        head = CHUNK.pack(first, last, len(raw), zlib.crc32(raw))
+        head = CHUNK_HEADER.pack(first, last, len(raw), zlib.crc32(raw))
         self.data += record(Op.CHUNK, head, text("zstd"), struct.pack("<Q", len(packed)), packed)
         end, offsets = len(self.data), b""
         for channel in sorted({channel for channel, _, _ in self.messages}):

@@ -8,12 +8,12 @@ from enum import IntEnum
 from pathlib import Path
 from typing import NamedTuple
 
-MAGIC = b"\x89MCAP0\r\n"
-HEAD = struct.Struct("<BQ")
-CHUNK = struct.Struct("<QQQI")
-MESSAGE = struct.Struct("<HIQQ")
+MCAP_MAGIC = b"\x89MCAP0\r\n"
+RECORD_HEADER = struct.Struct("<BQ")
+CHUNK_HEADER = struct.Struct("<QQQI")
+MESSAGE_HEADER = struct.Struct("<HIQQ")
 FOOTER = struct.Struct("<QQI")
-END = HEAD.size + FOOTER.size + len(MAGIC)
+FILE_END_SIZE = RECORD_HEADER.size + FOOTER.size + len(MCAP_MAGIC)
 """Bytes of footer and closing magic."""
 
 
@@ -43,7 +43,7 @@ class Record(NamedTuple):
 
 def record(op: Op, *parts: bytes) -> bytes:
     content = b"".join(parts)
-    return HEAD.pack(op, len(content)) + content
+    return RECORD_HEADER.pack(op, len(content)) + content
 
 
 def text(value: str | bytes) -> bytes:
@@ -58,12 +58,12 @@ def pairs(value: dict[str, str]) -> bytes:
 
 def records(data: bytes, at: int = 0) -> Iterator[Record]:
     """Records one after another; ends before the first that goes beyond the data."""
-    while at + HEAD.size <= len(data):
-        op, size = HEAD.unpack_from(data, at)
-        if at + HEAD.size + size > len(data):
+    while at + RECORD_HEADER.size <= len(data):
+        op, size = RECORD_HEADER.unpack_from(data, at)
+        if at + RECORD_HEADER.size + size > len(data):
             return
-        yield Record(op, data[at + HEAD.size : at + HEAD.size + size], at)
-        at += HEAD.size + size
+        yield Record(op, data[at + RECORD_HEADER.size : at + RECORD_HEADER.size + size], at)
+        at += RECORD_HEADER.size + size
 
 
 def take_text(data: bytes, at: int) -> tuple[bytes, int]:
@@ -86,8 +86,8 @@ def take_pairs(data: bytes) -> dict[str, str]:
 def profile_of(path: Path) -> str:
     """What a file's header says that its messages are."""
     with open(path, "rb") as stream:
-        stream.seek(len(MAGIC))
-        op, size = HEAD.unpack(stream.read(HEAD.size))
+        stream.seek(len(MCAP_MAGIC))
+        op, size = RECORD_HEADER.unpack(stream.read(RECORD_HEADER.size))
         if op != Op.HEADER:
             raise ValueError("its header is missing")
         return take_text(stream.read(size), 0)[0].decode()

@@ -12,14 +12,14 @@ from dataclasses import dataclass
 from functools import cached_property
 from typing import NamedTuple
 
-WRENCH = "geometry_msgs/msg/WrenchStamped"
-POSE = "geometry_msgs/msg/PoseStamped"
-ODOMETRY = "nav_msgs/msg/Odometry"
-TRANSFORMS = "tf2_msgs/msg/TFMessage"
-OLD_TRANSFORMS = "tf/msg/tfMessage"
-TF = (TRANSFORMS, OLD_TRANSFORMS)
-COVARIANCE = 36
-NANO = 1_000_000_000
+WRENCH_TYPE = "geometry_msgs/msg/WrenchStamped"
+POSE_TYPE = "geometry_msgs/msg/PoseStamped"
+ODOMETRY_TYPE = "nav_msgs/msg/Odometry"
+TF_TYPE = "tf2_msgs/msg/TFMessage"
+OLD_TF_TYPE = "tf/msg/tfMessage"
+TF_TYPES = (TF_TYPE, OLD_TF_TYPE)
+COVARIANCE_SIZE = 36
+NS_PER_S = 1_000_000_000
 
 
 class Sample(NamedTuple):
@@ -82,10 +82,10 @@ class Wire:
         """Stamp in ns and frame."""
         at += 0 if self.is_ros1 else -at % 4
         seconds, nanoseconds = self.stamp.unpack_from(raw, at)
-        if nanoseconds >= NANO:
+        if nanoseconds >= NS_PER_S:
             raise BadMessageError(f"its stamp has {nanoseconds} ns, more than a second")
         frame, at = self.text(raw, at + self.stamp.size)
-        return seconds * NANO + nanoseconds, frame, at
+        return seconds * NS_PER_S + nanoseconds, frame, at
 
     def numbers(self, raw: bytes, at: int, count: int) -> tuple[tuple[float, ...], int]:
         """Doubles; CDR counts alignment from behind its four first bytes."""
@@ -124,8 +124,8 @@ def _odometry(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
     stamp, frame, at = wire.header(raw, wire.start)
     child, at = wire.text(raw, at)
     pose, at = wire.numbers(raw, at, 7)
-    twist, at = wire.numbers(raw, at + 8 * COVARIANCE, 6)
-    return [Sample(stamp, frame, child, pose + twist)], at + 8 * COVARIANCE
+    twist, at = wire.numbers(raw, at + 8 * COVARIANCE_SIZE, 6)
+    return [Sample(stamp, frame, child, pose + twist)], at + 8 * COVARIANCE_SIZE
 
 
 def _transforms(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
@@ -142,11 +142,11 @@ def _transforms(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
 
 
 DECODERS: dict[str, Callable[[bytes, Wire], tuple[list[Sample], int]]] = {
-    WRENCH: _wrench,
-    POSE: _pose,
-    ODOMETRY: _odometry,
-    TRANSFORMS: _transforms,
-    OLD_TRANSFORMS: _transforms,
+    WRENCH_TYPE: _wrench,
+    POSE_TYPE: _pose,
+    ODOMETRY_TYPE: _odometry,
+    TF_TYPE: _transforms,
+    OLD_TF_TYPE: _transforms,
 }
 
 
@@ -166,7 +166,7 @@ class Encoder:
         return self
 
     def header(self, stamp: int, frame: str) -> Encoder:
-        self.data += bytes(-len(self.data) % 4) + struct.pack("<iI", stamp // NANO, stamp % NANO)
+        self.data += bytes(-len(self.data) % 4) + struct.pack("<iI", stamp // NS_PER_S, stamp % NS_PER_S)
         return self.text(frame)
 
     def numbers(self, values: Sequence[float]) -> Encoder:
@@ -177,8 +177,8 @@ class Encoder:
 def encode(sample: Sample, kind: str) -> bytes:
     """A wrench or an odometry message; its covariances are 0, which says unknown."""
     message = Encoder().header(sample.stamp, sample.frame)
-    if kind == ODOMETRY:
-        nothing = (0.0,) * COVARIANCE
+    if kind == ODOMETRY_TYPE:
+        nothing = (0.0,) * COVARIANCE_SIZE
         message.text(sample.child).numbers(sample.numbers[:7] + nothing + sample.numbers[7:] + nothing)
     else:
         message.numbers(sample.numbers)

@@ -8,15 +8,15 @@ from pathlib import Path
 
 from ...errors import LogError, Place
 from ..mapped.reading import MapReading, log_of
-from .bag import SUFFIXES, Bag, check_one_recording, storages_in
-from .mcap_records import HEAD, MAGIC, Op, take_pairs, take_text
+from .bag import BAG_SUFFIXES, Bag, check_one_recording, storages_in
+from .mcap_records import MCAP_MAGIC, RECORD_HEADER, Op, take_pairs, take_text
 from .salvaged_bag import SalvagedBag
 from .selection import Selection
 from .topic_map import TopicMapFile, beside, load_topic_map, topic_map_from_text
 
-METADATA = "cartgrasp"
+METADATA_NAME = "cartgrasp"
 MAP_KEY = "topics.yaml"
-LARGEST_MAP = 1 << 20
+MAX_MAP_BYTES = 1 << 20
 
 
 def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool = False) -> MapReading:
@@ -39,8 +39,8 @@ def open_bag(path: Path, salvage: bool = False) -> Bag:
     except OSError as error:
         why = "there is no such file" if isinstance(error, FileNotFoundError) else f"can't be read: {error.strerror}"
         raise LogError(Place(str(path)), "", why) from error
-    if not path.is_dir() and path.suffix.lower() not in SUFFIXES:
-        raise LogError(Place(str(path)), "", f"is no bag; bags end in {', '.join(SUFFIXES)}, or are folders")
+    if not path.is_dir() and path.suffix.lower() not in BAG_SUFFIXES:
+        raise LogError(Place(str(path)), "", f"is no bag; bags end in {', '.join(BAG_SUFFIXES)}, or are folders")
     if salvage or not (path / "metadata.yaml").is_file():
         check_one_recording(path)
     if salvage:
@@ -68,15 +68,15 @@ def embedded_map(path: Path) -> str | None:
         return None
     try:
         with open(files[0], "rb") as stream:
-            if stream.read(len(MAGIC)) != MAGIC:
+            if stream.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
                 return None
             for wanted in (Op.HEADER, Op.METADATA):
-                op, size = HEAD.unpack(stream.read(HEAD.size))
-                if op != wanted or size > LARGEST_MAP:
+                op, size = RECORD_HEADER.unpack(stream.read(RECORD_HEADER.size))
+                if op != wanted or size > MAX_MAP_BYTES:
                     return None
                 content = stream.read(size)
         name, at = take_text(content, 0)
-        pairs = take_pairs(take_text(content, at)[0]) if name == METADATA.encode() else {}
+        pairs = take_pairs(take_text(content, at)[0]) if name == METADATA_NAME.encode() else {}
         return pairs.get(MAP_KEY)
     except (OSError, struct.error, UnicodeDecodeError):
         return None

@@ -9,13 +9,23 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from .bag import message_kind
-from .mcap_records import CHUNK, END, FOOTER, HEAD, MAGIC, MESSAGE, Op, records, take_text
+from .mcap_records import (
+    CHUNK_HEADER,
+    FILE_END_SIZE,
+    FOOTER,
+    MCAP_MAGIC,
+    MESSAGE_HEADER,
+    RECORD_HEADER,
+    Op,
+    records,
+    take_text,
+)
 from .unpacking import unpacked
 
 CHUNK_START = re.compile(rb"\x06.{6}\0\0.{28}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0)", re.DOTALL)
 LAST_OP = max(Op)
 
-Found = tuple[str, str, int, bytes]
+RawMessage = tuple[str, str, int, bytes]
 """Topic, type, time of receipt in ns, and bytes."""
 
 
@@ -28,18 +38,18 @@ class McapSalvage:
     schemas: dict[int, str] = field(default_factory=dict)
     channels: dict[int, tuple[str, str]] = field(default_factory=dict)
 
-    def messages(self) -> Iterator[Found]:
-        if self.data[: len(MAGIC)] != MAGIC:
+    def messages(self) -> Iterator[RawMessage]:
+        if self.data[: len(MCAP_MAGIC)] != MCAP_MAGIC:
             self.lost.append("its beginning is not that of an MCAP file")
         self._learn_from_end()
-        at, last = 0 if self.data[: len(MAGIC)] != MAGIC else len(MAGIC), False
+        at, last = 0 if self.data[: len(MCAP_MAGIC)] != MCAP_MAGIC else len(MCAP_MAGIC), False
         while at < len(self.data) and not last:
-            op, size = HEAD.unpack_from(self.data, at) if at + HEAD.size <= len(self.data) else (0, 0)
-            end = at + HEAD.size + size
+            op, size = RECORD_HEADER.unpack_from(self.data, at) if at + RECORD_HEADER.size <= len(self.data) else (0, 0)
+            end = at + RECORD_HEADER.size + size
             if not 0 < op <= LAST_OP or (end > len(self.data) and self._later_chunk(at + 1) is not None):
                 at = self._skip(at)
                 continue
-            content = self.data[at + HEAD.size : end]
+            content = self.data[at + RECORD_HEADER.size : end]
             if end > len(self.data):
                 self.lost.append(
                     f"from byte {at} on it is cut off: {end - len(self.data)} bytes of a record are missing"
@@ -47,10 +57,10 @@ class McapSalvage:
             last = op in (Op.DATA_END, Op.FOOTER) or end > len(self.data)
             yield from self._record(op, content, at)
             at = end
-        if self.data[-len(MAGIC) :] != MAGIC:
+        if self.data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
             self.lost.append("its end with the index is missing")
 
-    def _record(self, op: int, content: bytes, at: int) -> Iterator[Found]:
+    def _record(self, op: int, content: bytes, at: int) -> Iterator[RawMessage]:
         try:
             if op == Op.CHUNK:
                 yield from self._chunk(content, at)
@@ -61,9 +71,9 @@ class McapSalvage:
         except (struct.error, UnicodeDecodeError, KeyError) as error:
             self.lost.append(f"the record at byte {at} can't be read: {error}")
 
-    def _chunk(self, content: bytes, at: int) -> Iterator[Found]:
-        _, _, size, stated = CHUNK.unpack_from(content)
-        compression, where = take_text(content, CHUNK.size)
+    def _chunk(self, content: bytes, at: int) -> Iterator[RawMessage]:
+        _, _, size, stated = CHUNK_HEADER.unpack_from(content)
+        compression, where = take_text(content, CHUNK_HEADER.size)
         (packed,) = struct.unpack_from("<Q", content, where)
         body = content[where + 8 : where + 8 + packed]
         raw = unpacked(body, compression, size)
@@ -76,10 +86,10 @@ class McapSalvage:
         for inner in records(raw):
             yield from self._record(inner.op, inner.content, at) if inner.op != Op.CHUNK else ()
 
-    def _message(self, content: bytes) -> Found:
-        channel, _, received, _ = MESSAGE.unpack_from(content)
+    def _message(self, content: bytes) -> RawMessage:
+        channel, _, received, _ = MESSAGE_HEADER.unpack_from(content)
         topic, kind = self.channels[channel]
-        return topic, kind, received, content[MESSAGE.size :]
+        return topic, kind, received, content[MESSAGE_HEADER.size :]
 
     def _learn(self, op: int, content: bytes) -> None:
         if op == Op.SCHEMA:
@@ -91,9 +101,9 @@ class McapSalvage:
 
     def _learn_from_end(self) -> None:
         """Schemas and channels as the summary repeats them, for where those in the data are lost."""
-        if len(self.data) < END or self.data[-len(MAGIC) :] != MAGIC:
+        if len(self.data) < FILE_END_SIZE or self.data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
             return
-        summary, _, _ = FOOTER.unpack_from(self.data, len(self.data) - END + HEAD.size)
+        summary, _, _ = FOOTER.unpack_from(self.data, len(self.data) - FILE_END_SIZE + RECORD_HEADER.size)
         if not 0 < summary < len(self.data):
             return
         for found in records(self.data, summary):
@@ -113,7 +123,7 @@ class McapSalvage:
         for match in CHUNK_START.finditer(self.data, at):
             start = match.start()
             (length,) = struct.unpack_from("<Q", self.data, start + 1)
-            behind = start + HEAD.size + length
+            behind = start + RECORD_HEADER.size + length
             if match.end() + 8 <= len(self.data):
                 (packed,) = struct.unpack_from("<Q", self.data, match.end())
                 if match.end() + 8 + packed == behind <= len(self.data):

@@ -9,13 +9,13 @@ from dataclasses import dataclass, field
 from .bag import message_kind
 from .unpacking import unpacked
 
-MAGIC = b"#ROSBAG V2.0\n"
-MESSAGE, CHUNK, CONNECTION = 2, 5, 7
-LENGTH = struct.Struct("<I")
-TIME = struct.Struct("<II")
-NANO = 1_000_000_000
+ROSBAG_MAGIC = b"#ROSBAG V2.0\n"
+OP_MESSAGE, OP_CHUNK, OP_CONNECTION = 2, 5, 7
+LENGTH_STRUCT = struct.Struct("<I")
+TIME_STRUCT = struct.Struct("<II")
+NS_PER_S = 1_000_000_000
 
-Found = tuple[str, str, int, bytes]
+RawMessage = tuple[str, str, int, bytes]
 
 
 @dataclass
@@ -26,13 +26,13 @@ class Ros1Salvage:
     lost: list[str]
     connections: dict[int, tuple[str, str]] = field(default_factory=dict)
 
-    def messages(self) -> Iterator[Found]:
-        if not self.data.startswith(MAGIC):
+    def messages(self) -> Iterator[RawMessage]:
+        if not self.data.startswith(ROSBAG_MAGIC):
             self.lost.append("its beginning is not that of a bag of ROS 1, version 2.0")
             return
-        yield from self._records(self.data, len(MAGIC), 0)
+        yield from self._records(self.data, len(ROSBAG_MAGIC), 0)
 
-    def _records(self, data: bytes, at: int, chunk: int) -> Iterator[Found]:
+    def _records(self, data: bytes, at: int, chunk: int) -> Iterator[RawMessage]:
         """`chunk` is where the chunk begins that the data are from, 0 for the file itself."""
         place = f"in the chunk at byte {chunk}, " if chunk else ""
         while at < len(data):
@@ -47,41 +47,41 @@ class Ros1Salvage:
                     f"{place}from byte {at} on it is cut off: {end - len(data)} bytes of a record are missing"
                 )
             try:
-                if op == CHUNK and not chunk:
+                if op == OP_CHUNK and not chunk:
                     yield from self._chunk(fields, body, at)
-                elif op == CONNECTION:
+                elif op == OP_CONNECTION:
                     self._connection(fields, body)
-                elif op == MESSAGE and end <= len(data):
+                elif op == OP_MESSAGE and end <= len(data):
                     yield self._message(fields, body)
             except (struct.error, KeyError, UnicodeDecodeError) as error:
                 self.lost.append(f"{place}the record at byte {at} can't be read: {error}")
             at = end
 
-    def _chunk(self, fields: dict[bytes, bytes], body: bytes, at: int) -> Iterator[Found]:
-        (size,) = LENGTH.unpack(fields[b"size"])
+    def _chunk(self, fields: dict[bytes, bytes], body: bytes, at: int) -> Iterator[RawMessage]:
+        (size,) = LENGTH_STRUCT.unpack(fields[b"size"])
         raw = unpacked(body, fields[b"compression"], size)
         if len(raw) != size:
             self.lost.append(f"the chunk at byte {at}: {len(raw)} of {size} bytes could be unpacked")
         yield from self._records(raw, 0, at)
 
     def _connection(self, fields: dict[bytes, bytes], body: bytes) -> None:
-        (number,) = LENGTH.unpack(fields[b"conn"])
+        (number,) = LENGTH_STRUCT.unpack(fields[b"conn"])
         about = _fields(body)
         self.connections[number] = fields[b"topic"].decode(), message_kind(about[b"type"].decode())
 
-    def _message(self, fields: dict[bytes, bytes], body: bytes) -> Found:
-        seconds, nanoseconds = TIME.unpack(fields[b"time"])
-        topic, kind = self.connections[LENGTH.unpack(fields[b"conn"])[0]]
-        return topic, kind, seconds * NANO + nanoseconds, body
+    def _message(self, fields: dict[bytes, bytes], body: bytes) -> RawMessage:
+        seconds, nanoseconds = TIME_STRUCT.unpack(fields[b"time"])
+        topic, kind = self.connections[LENGTH_STRUCT.unpack(fields[b"conn"])[0]]
+        return topic, kind, seconds * NS_PER_S + nanoseconds, body
 
 
 def _record(data: bytes, at: int) -> tuple[dict[bytes, bytes], bytes, int]:
     """A record's header, what of its body is there, and where it ends, perhaps beyond the data."""
-    (size,) = LENGTH.unpack_from(data, at)
+    (size,) = LENGTH_STRUCT.unpack_from(data, at)
     if at + 4 + size > len(data):
         raise struct.error(f"a header of {size} bytes")
     fields = _fields(data[at + 4 : at + 4 + size])
-    (length,) = LENGTH.unpack_from(data, at + 4 + size)
+    (length,) = LENGTH_STRUCT.unpack_from(data, at + 4 + size)
     start = at + 8 + size
     return fields, data[start : start + length], start + length
 
@@ -89,7 +89,7 @@ def _record(data: bytes, at: int) -> tuple[dict[bytes, bytes], bytes, int]:
 def _fields(data: bytes) -> dict[bytes, bytes]:
     found, at = {}, 0
     while at < len(data):
-        (size,) = LENGTH.unpack_from(data, at)
+        (size,) = LENGTH_STRUCT.unpack_from(data, at)
         name, _, value = data[at + 4 : at + 4 + size].partition(b"=")
         found[name] = value
         at += 4 + size

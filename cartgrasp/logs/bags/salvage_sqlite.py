@@ -7,16 +7,16 @@ from collections.abc import Iterator
 from pathlib import Path
 
 from .bag import message_kind
-from .sqlite_size import HEADER, page_size, stated_size
+from .sqlite_size import SQLITE_HEADER_SIZE, page_size, stated_size
 
-Found = tuple[str, str, int, bytes]
-FARTHEST = 1 << 40
-LARGEST = 1 << 31
-NO_LOG = b"\x01\x01"
-ROWS = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
+RawMessage = tuple[str, str, int, bytes]
+MAX_ROW_ID = 1 << 40
+MAX_DATABASE_BYTES = 1 << 31
+ROLLBACK_JOURNAL_VERSIONS = b"\x01\x01"
+ROWS_QUERY = "SELECT id, topic_id, timestamp, data FROM messages WHERE id > ? ORDER BY id"
 
 
-def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[Found]:
+def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[RawMessage]:
     """Recovers the data from a copy in memory, whose pages that were cut off are blank; what stands in a `-wal` beside
     it is lost."""
     database = sqlite3.connect(":memory:")
@@ -36,20 +36,20 @@ def salvage_sqlite(path: Path, lost: list[str]) -> Iterator[Found]:
 
 def _completed(data: bytes, lost: list[str]) -> bytes:
     """The database padded to its stated size, and marked as one without a write-ahead log beside it."""
-    size = stated_size(data[:HEADER])
-    if size is None or not len(data) < size < LARGEST:
+    size = stated_size(data[:SQLITE_HEADER_SIZE])
+    if size is None or not len(data) < size < MAX_DATABASE_BYTES:
         size = len(data)
     else:
         lost.append(f"{size - len(data)} of {size} bytes are cut off")
     whole = len(data) if size == len(data) else len(data) // page_size(data) * page_size(data)
-    return data[:18] + NO_LOG + data[20:whole] + bytes(size - whole)
+    return data[:18] + ROLLBACK_JOURNAL_VERSIONS + data[20:whole] + bytes(size - whole)
 
 
-def _rows(database: sqlite3.Connection, topics: dict[int, tuple[str, str]], lost: list[str]) -> Iterator[Found]:
+def _rows(database: sqlite3.Connection, topics: dict[int, tuple[str, str]], lost: list[str]) -> Iterator[RawMessage]:
     last, step = 0, 0
-    while last + step <= FARTHEST:
+    while last + step <= MAX_ROW_ID:
         try:
-            for number, topic, received, raw in database.execute(ROWS, (last + step,)):
+            for number, topic, received, raw in database.execute(ROWS_QUERY, (last + step,)):
                 if number <= last + step:
                     raise sqlite3.DatabaseError("rows that are not in order")
                 if step:

@@ -10,20 +10,20 @@ from numpy.typing import NDArray
 
 from ...errors import LogError
 from ...yaml_file import did_you_mean
-from ..mapped.clocked import Clocked, Place
+from ..mapped.clocked import MapPlace, TimedSamples
 from ..mapped.planar_pose import planar, tilt
-from ..mapped.steps import Steps
+from ..mapped.steps import ProcessingSteps
 from .bag import Bag
 from .faults import far_stamps, other_frames, other_values, without
-from .messages import ODOMETRY, POSE, TF, WRENCH
+from .messages import ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE
 from .tf_paths import TfPaths
 from .topic_map import ContactEntry, TopicMapFile
-from .topic_samples import ALL, Frames, Key, TopicSamples, read_samples
+from .topic_samples import ALL_FRAMES, Frames, Key, TopicSamples, read_samples
 from .transform_chain import common_span, composed
 from .transform_tree import Link, is_static
 
-NANO = 1_000_000_000
-MOST_TILT = 0.35
+NS_PER_S = 1_000_000_000
+MAX_TILT = 0.35
 
 
 @dataclass
@@ -33,7 +33,7 @@ class Selection:
     bag: Bag
     map_file: TopicMapFile
     is_salvage: bool
-    steps: Steps = field(default_factory=Steps)
+    steps: ProcessingSteps = field(default_factory=ProcessingSteps)
     tilt: float | None = None
     """Largest angle between the tracked frame's z and the vertical, rad, once the samples were read."""
 
@@ -48,16 +48,16 @@ class Selection:
     def refuse(self, why: str) -> LogError:
         return self.bag.refuse(why)
 
-    def read(self) -> dict[Place, Clocked]:
+    def read(self) -> dict[MapPlace, TimedSamples]:
         keys = dict(self._keys())
         self._check_topics(keys)
         tf_paths = TfPaths(self.bag, self.map_file, self.is_salvage)
         paths = {where: [Link(key)] for where, key in keys.items()}
-        paths |= tf_paths.find({where: key for where, key in keys.items() if key[1] != ALL})
+        paths |= tf_paths.find({where: key for where, key in keys.items() if key[1] != ALL_FRAMES})
         links = {link.key: link for path in paths.values() for link in path}
         wanted: dict[str, set[Frames] | None] = {}
         for topic, frames in links:
-            wanted[topic] = None if frames == ALL else (wanted.get(topic) or set()) | {frames}
+            wanted[topic] = None if frames == ALL_FRAMES else (wanted.get(topic) or set()) | {frames}
         found = read_samples(self.bag, wanted, self.is_salvage)
         self.bag.lost.extend(tf_paths.lost)
         for key, link in links.items():
@@ -73,20 +73,20 @@ class Selection:
         samples = {where: self._along(where, path, found, epoch) for where, path in paths.items()}
         return samples | self._planar(samples["pose",])
 
-    def _planar(self, pose: Clocked) -> dict[Place, Clocked]:
+    def _planar(self, pose: TimedSamples) -> dict[MapPlace, TimedSamples]:
         """Poses (n, 3) of the tracked frame, and the twist (n, 3) of it in itself if the map wants that."""
         self.tilt = tilt(pose.numbers)
-        if self.tilt > MOST_TILT:
+        if self.tilt > MAX_TILT:
             why = (
                 f"its frame's z is up to {np.degrees(self.tilt):.0f}° off the vertical; name a frame whose z points up"
             )
             raise self.map_file.refuse(("pose", "topic"), why)
-        found: dict[Place, Clocked] = {("pose",): Clocked(pose.time, planar(pose.numbers))}
+        found: dict[MapPlace, TimedSamples] = {("pose",): TimedSamples(pose.time, planar(pose.numbers))}
         if self.map_file.map.pose.velocity == "twist":
-            found["velocity",] = Clocked(pose.time, pose.numbers[:, [7, 8, 12]])
+            found["velocity",] = TimedSamples(pose.time, pose.numbers[:, [7, 8, 12]])
         return found
 
-    def _along(self, where: Place, path: list[Link], found: dict[Key, TopicSamples], epoch: int) -> Clocked:
+    def _along(self, where: MapPlace, path: list[Link], found: dict[Key, TopicSamples], epoch: int) -> TimedSamples:
         """What is asked for itself, or composed of what is there."""
         if path == [Link(path[0].key)]:
             return self._clocked(where, path[0].topic, found[path[0].key], epoch)
@@ -95,7 +95,7 @@ class Selection:
             self._check_moving(where, moving)
         return composed(".".join(where), path, clocked, self.map_file.map.max_gap, self.steps)
 
-    def _check_moving(self, where: Place, moving: list[tuple[Link, Clocked]]) -> None:
+    def _check_moving(self, where: MapPlace, moving: list[tuple[Link, TimedSamples]]) -> None:
         for link, clocked in moving:
             if len(clocked.time) < 2:
                 raise self.bag.refuse("was sent once; one that holds for ever is one of tf_static", link.name)
@@ -108,17 +108,17 @@ class Selection:
             said = ", ".join(f"{link.name} from {c.span()[0]:.3f} to {c.span()[1]:.3f} s" for link, c in moving)
             raise self.bag.refuse(f"the transforms of {'.'.join(where)} have no time in common: {said}")
 
-    def _keys(self) -> Iterator[tuple[Place, Key]]:
+    def _keys(self) -> Iterator[tuple[MapPlace, Key]]:
         map_ = self.map_file.map
         pose = map_.pose
         yield ("pose",), (pose.topic, (_frame(pose.frame), _frame(pose.child)))
         for name, arm in map_.arms.items():
-            yield ("arms", name), (arm.topic, ALL)
+            yield ("arms", name), (arm.topic, ALL_FRAMES)
             if isinstance(arm.contact, ContactEntry):
                 contact = arm.contact
                 yield ("arms", name, "contact"), (contact.topic, (_frame(contact.frame), _frame(contact.child)))
 
-    def _check_topics(self, keys: dict[Place, Key]) -> None:
+    def _check_topics(self, keys: dict[MapPlace, Key]) -> None:
         if not self.bag.kinds:
             raise self.bag.refuse("has no topic" + (" that can be read" if self.is_salvage else ""))
         for where, (topic, _) in keys.items():
@@ -127,17 +127,17 @@ class Selection:
                 known = did_you_mean(topic, self.bag.kinds)
                 raise self.map_file.refuse(place, f"{self.bag.path} has no topic {topic}{known}")
             kind = self.bag.kinds[topic]
-            of_role = {1: (ODOMETRY, POSE, *TF), 2: (WRENCH,), 3: TF}[len(where)]
+            of_role = {1: (ODOMETRY_TYPE, POSE_TYPE, *TF_TYPES), 2: (WRENCH_TYPE,), 3: TF_TYPES}[len(where)]
             if kind not in of_role:
                 raise self.map_file.refuse(place, f"{topic} holds {kind}; needed is {' or '.join(of_role)}")
         pose = self.map_file.map.pose
-        is_tf = self.bag.kinds[pose.topic] in TF
+        is_tf = self.bag.kinds[pose.topic] in TF_TYPES
         for key, value in (("frame", pose.frame), ("child", pose.child)):
             if is_tf and value is None:
                 raise self.map_file.refuse(("pose",), f"{key} is missing; a TF topic holds many transforms")
             if not is_tf and value is not None:
                 raise self.map_file.refuse(("pose", key), f"is for TF topics; {pose.topic} has one pose")
-        if pose.velocity == "twist" and self.bag.kinds[pose.topic] != ODOMETRY:
+        if pose.velocity == "twist" and self.bag.kinds[pose.topic] != ODOMETRY_TYPE:
             raise self.map_file.refuse(("pose", "velocity"), f"{pose.topic} holds no twist; use spline or none")
 
     def _of_one_run(self, samples: TopicSamples) -> TopicSamples:
@@ -148,27 +148,27 @@ class Selection:
             return samples
         return without(samples, far_stamps(samples, self.map_file.map.max_gap), self.bag, self.is_salvage)
 
-    def _stamps(self, where: Place, samples: TopicSamples) -> NDArray[np.int64]:
+    def _stamps(self, where: MapPlace, samples: TopicSamples) -> NDArray[np.int64]:
         """ns, with the topic's latency taken off."""
-        late = round(self._latency(where) * NANO)
+        late = round(self._latency(where) * NS_PER_S)
         if self.map_file.map.stamps == "receive" or is_static(samples.topic):
             return samples.received - late
         if not samples.stamp.any() and samples.received.any():
             raise self.map_file.refuse(("stamps",), f"the headers of {samples.topic} have no stamps; use receive")
         return samples.stamp - late
 
-    def _latency(self, where: Place) -> float:
+    def _latency(self, where: MapPlace) -> float:
         map_ = self.map_file.map
         if len(where) == 2:
             return map_.arms[where[1]].latency
         return map_.pose.latency if where == ("pose",) else 0.0
 
-    def _clocked(self, where: Place, of: str, samples: TopicSamples, epoch: int) -> Clocked:
+    def _clocked(self, where: MapPlace, of: str, samples: TopicSamples, epoch: int) -> TimedSamples:
         """Sorted by time, the first of those with the same stamp."""
         stamps = self._stamps(where, samples)
         order = np.argsort(stamps, kind="stable")
         first = np.append(True, np.diff(stamps[order]) > 0)
-        time = (stamps[order][first] - epoch) / NANO
+        time = (stamps[order][first] - epoch) / NS_PER_S
         figures: dict[str, float | int | str] = {
             "role": ".".join(where),
             "samples": len(samples),
@@ -180,7 +180,7 @@ class Selection:
         if len(time) > 1:
             figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
         self.steps.add(of, samples.kind, **figures)
-        return Clocked(time, samples.numbers[order][first], is_static(samples.topic))
+        return TimedSamples(time, samples.numbers[order][first], is_static(samples.topic))
 
 
 def _frame(name: str | None) -> str:

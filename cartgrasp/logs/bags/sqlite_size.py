@@ -5,17 +5,17 @@ from __future__ import annotations
 import struct
 from pathlib import Path
 
-MAGIC = b"SQLite format 3\0"
-HEADER = 100
+SQLITE_MAGIC = b"SQLite format 3\0"
+SQLITE_HEADER_SIZE = 100
 """Bytes of the header."""
 
 
 def check_size(path: Path) -> None:
     """ValueError where the file is longer or shorter."""
     with open(path, "rb") as stream:
-        header = stream.read(HEADER)
+        header = stream.read(SQLITE_HEADER_SIZE)
         size = stream.seek(0, 2)
-    if not header.startswith(MAGIC) or len(header) < HEADER:
+    if not header.startswith(SQLITE_MAGIC) or len(header) < SQLITE_HEADER_SIZE:
         raise ValueError("its beginning is not that of an SQLite file")
     stated = stated_size(header)
     if size % page_size(header) or (stated is not None and stated != size):
@@ -29,7 +29,7 @@ def page_size(header: bytes) -> int:
 
 def stated_size(header: bytes) -> int | None:
     """In bytes; None where an old writer has left it undone."""
-    if len(header) < HEADER:
+    if len(header) < SQLITE_HEADER_SIZE:
         return None
     changes, pages = struct.unpack_from(">II", header, 24)
     (valid_for,) = struct.unpack_from(">I", header, 92)

@@ -5,9 +5,9 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..mapped.clocked import Place
+from ..mapped.clocked import MapPlace
 from .bag import Bag
-from .messages import TF
+from .messages import TF_TYPES
 from .topic_map import TopicMapFile
 from .topic_samples import Key, links_in
 from .transform_tree import BadTreeError, Link, NoPathError, TransformTree, arrow, usual, with_static
@@ -22,22 +22,22 @@ class TfPaths:
     is_salvage: bool
     lost: list[str] = field(default_factory=list)
 
-    def find(self, asked: Mapping[Place, Key]) -> dict[Place, list[Link]]:
+    def find(self, asked: Mapping[MapPlace, Key]) -> dict[MapPlace, list[Link]]:
         topics = {near for topic, _ in asked.values() for near in self._near(topic)}
         counts = links_in(self.bag, topics, set(asked.values())) if asked else {}
         return {where: self._path(where, key, counts) for where, key in asked.items()}
 
     def _near(self, topic: str) -> list[str]:
         """The TF topics whose transforms belong to one tree."""
-        return [near for near in dict.fromkeys(with_static(topic)) if self.bag.kinds.get(near) in TF]
+        return [near for near in dict.fromkeys(with_static(topic)) if self.bag.kinds.get(near) in TF_TYPES]
 
-    def _path(self, where: Place, key: Key, counts: Mapping[Key, int]) -> list[Link]:
+    def _path(self, where: MapPlace, key: Key, counts: Mapping[Key, int]) -> list[Link]:
         path = [Link(key)] if key in counts else self._chain(where, key, counts)
         if where == ("pose",) and all(link.is_static for link in path):
             raise self.map_file.refuse(where, f"nothing moves between {' and '.join(key[1])}: {path[0].name} is static")
         return path
 
-    def _chain(self, where: Place, key: Key, counts: Mapping[Key, int]) -> list[Link]:
+    def _chain(self, where: MapPlace, key: Key, counts: Mapping[Key, int]) -> list[Link]:
         topic, (frame, child) = key
         near = self._near(topic)
         tree = {key: count for key, count in counts.items() if key[0] in near}

@@ -12,7 +12,7 @@ from pydantic import Field
 from ...yaml_file import StrictModel, parse_yaml, read_yaml
 from ..mapped.run_map import ArmEntry, MapFile, Mistake, PoseEntry, RunMap, Triple
 
-FARTHEST = 2**62
+MAX_EPOCH_NS = 2**62
 
 
 class TopicPose(PoseEntry):
@@ -45,7 +45,7 @@ class TopicMap(RunMap):
     pose: TopicPose
     arms: Mapping[str, TopicArm]
     stamps: Literal["header", "receive"] = "header"
-    epoch: Annotated[int, Field(ge=-FARTHEST, le=FARTHEST)] | None = None
+    epoch: Annotated[int, Field(ge=-MAX_EPOCH_NS, le=MAX_EPOCH_NS)] | None = None
 
     def own_mistakes(self) -> Iterator[Mistake]:
         wrenches = [arm.topic for arm in self.arms.values()]

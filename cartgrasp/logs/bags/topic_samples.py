@@ -10,15 +10,15 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import Array
-from .bag import SALVAGE, Bag, Message
-from .messages import WRENCH, BadMessageError, Sample, decode
+from .bag import SALVAGE_HINT, Bag, Message
+from .messages import WRENCH_TYPE, BadMessageError, Sample, decode
 
 Frames = tuple[str, str]
 Key = tuple[str, Frames]
-ALL: Frames = ("", "")
-LARGEST = 1e9
-FARTHEST_NORM = 0.01
-LATEST = 2**62
+ALL_FRAMES: Frames = ("", "")
+MAX_MEASUREMENT = 1e9
+QUATERNION_NORM_TOLERANCE = 0.01
+MAX_STAMP_NS = 2**62
 
 
 @dataclass(frozen=True)
@@ -50,10 +50,10 @@ class TopicSamples:
 
     def wrong(self) -> tuple[NDArray[np.bool_], str]:
         """Samples that are no measurements, and why the first is none; NaN is a missing one."""
-        too_large = (np.abs(self.numbers) > LARGEST).any(axis=1)
+        too_large = (np.abs(self.numbers) > MAX_MEASUREMENT).any(axis=1)
         with np.errstate(over="ignore"):
-            norm = np.ones(len(self)) if self.kind == WRENCH else np.linalg.norm(self.numbers[:, 3:7], axis=1)
-        odd = np.abs(norm - 1) > FARTHEST_NORM
+            norm = np.ones(len(self)) if self.kind == WRENCH_TYPE else np.linalg.norm(self.numbers[:, 3:7], axis=1)
+        odd = np.abs(norm - 1) > QUATERNION_NORM_TOLERANCE
         if too_large.any() and not odd[: int(np.argmax(too_large))].any():
             row = self.numbers[int(np.argmax(too_large))]
             return too_large | odd, f"holds {row[np.nanargmax(np.abs(row))]:g}, which is no measurement"
@@ -62,7 +62,7 @@ class TopicSamples:
 
 
 @dataclass
-class _Growing:
+class _GrowingSamples:
     kind: str
     rows: list[tuple[int, int, int, int]] = field(default_factory=list)
     numbers: list[tuple[float, ...]] = field(default_factory=list)
@@ -83,26 +83,26 @@ class _Growing:
 
 
 def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage: bool) -> dict[Key, TopicSamples]:
-    """By topic and frames: of a TF topic the frames that are wanted, of other topics all, under ALL."""
-    growing: dict[Key, _Growing] = {}
+    """By topic and frames: of a TF topic the frames that are wanted, of other topics all, under ALL_FRAMES."""
+    growing: dict[Key, _GrowingSamples] = {}
     broken: Counter[str] = Counter()
     for message in bag.messages(wanted):
         try:
-            if not 0 <= message.received < LATEST:
+            if not 0 <= message.received < MAX_STAMP_NS:
                 raise BadMessageError(f"received at {message.received} ns, which is no time")
             samples = decode(message.raw, message.kind, bag.is_ros1)
         except BadMessageError as error:
             if not is_salvage:
-                raise bag.refuse(f"message {message.number}: {error}; {SALVAGE}", message.topic) from error
+                raise bag.refuse(f"message {message.number}: {error}; {SALVAGE_HINT}", message.topic) from error
             broken[message.topic] += 1
             continue
         frames = wanted[message.topic]
         for sample in samples:
             frame = frames_of(sample)
             if frames is None or frame in frames:
-                key = (message.topic, ALL if frames is None else frame)
+                key = (message.topic, ALL_FRAMES if frames is None else frame)
                 if key not in growing:
-                    growing[key] = _Growing(message.kind)
+                    growing[key] = _GrowingSamples(message.kind)
                 growing[key].add(message, sample, frame)
     found = {}
     for key, parts in growing.items():
@@ -110,7 +110,7 @@ def read_samples(bag: Bag, wanted: Mapping[str, set[Frames] | None], is_salvage:
         wrong, why = samples_of.wrong()
         if wrong.any() and not is_salvage:
             number = samples_of.message[int(np.argmax(wrong))]
-            raise bag.refuse(f"message {number}: {why}; {SALVAGE}", key[0])
+            raise bag.refuse(f"message {number}: {why}; {SALVAGE_HINT}", key[0])
         broken[key[0]] += int(wrong.sum())
         found[key] = samples_of.only(~wrong)
     bag.lost.extend(f"{topic}: {count} samples are damaged" for topic, count in broken.items() if count)

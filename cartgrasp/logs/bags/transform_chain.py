@@ -9,13 +9,15 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from ...frames import Array
-from ..mapped.clocked import Clocked
+from ..mapped.clocked import TimedSamples
 from ..mapped.resampling import Resampled, interpolated
-from ..mapped.steps import Steps
+from ..mapped.steps import ProcessingSteps
 from .transform_tree import Link, arrow, frames_on
 
 
-def composed(role: str, path: Sequence[Link], links: Sequence[Clocked], max_gap: float, steps: Steps) -> Clocked:
+def composed(
+    role: str, path: Sequence[Link], links: Sequence[TimedSamples], max_gap: float, steps: ProcessingSteps
+) -> TimedSamples:
     """Poses (n, 7) of the path's last frame in its first; static where all its links are."""
     moving = [i for i, link in enumerate(links) if not link.is_static]
     time, figures = np.zeros(1), {"samples": 1}
@@ -30,21 +32,21 @@ def composed(role: str, path: Sequence[Link], links: Sequence[Clocked], max_gap:
     numbers = product([each.rows for each in found], [link.is_turned for link in path])
     figures["missing"] = int((~_whole(numbers)).sum())
     steps.add(role, f"{arrow(frames_on(path))} composed", links=len(path), **figures)
-    return Clocked(time, numbers, not moving)
+    return TimedSamples(time, numbers, not moving)
 
 
-def common_span(moving: Sequence[Clocked]) -> tuple[float, float]:
+def common_span(moving: Sequence[TimedSamples]) -> tuple[float, float]:
     """From when all have begun until the first ends."""
     return max(c.span()[0] for c in moving), min(c.span()[1] for c in moving)
 
 
-def _inside(moving: Sequence[Clocked]) -> list[Array]:
+def _inside(moving: Sequence[TimedSamples]) -> list[Array]:
     """The stamps of each while all last."""
     start, end = common_span(moving)
     return [c.time[(c.time >= start) & (c.time <= end)] for c in moving]
 
 
-def at_stamps(link: Clocked, at: Array, max_gap: float) -> Resampled:
+def at_stamps(link: TimedSamples, at: Array, max_gap: float) -> Resampled:
     """Positions and quaternions (n, 7): positions straight between neighbours, rotations by SLERP; NaN in gaps."""
     if link.is_static:
         return Resampled(np.tile(link.numbers[-1], (len(at), 1)), len(at), 0, 0)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from .topic_samples import Frames, Key
 
-MOST_TOLD = 10
+MAX_FRAMES_SHOWN = 10
 
 
 class Link(NamedTuple):
@@ -126,5 +126,5 @@ def _top(frame: str, top: str) -> str:
 
 
 def _some(names: list[str]) -> str:
-    rest = f" and {len(names) - MOST_TOLD} more" if len(names) > MOST_TOLD else ""
-    return (", ".join(names[:MOST_TOLD]) or "none") + rest
+    rest = f" and {len(names) - MAX_FRAMES_SHOWN} more" if len(names) > MAX_FRAMES_SHOWN else ""
+    return (", ".join(names[:MAX_FRAMES_SHOWN]) or "none") + rest

@@ -13,8 +13,8 @@ if sys.version_info >= (3, 14):
 else:
     from backports import zstd
 
-LARGEST = 1 << 30
-PIECE = 1 << 14
+MAX_UNPACKED_BYTES = 1 << 30
+UNPACKED_PIECE_BYTES = 1 << 14
 UNPACKERS: dict[bytes, Any] = {
     b"zstd": zstd.ZstdDecompressor,
     b"lz4": lz4.frame.LZ4FrameDecompressor,
@@ -28,10 +28,10 @@ def unpacked(body: bytes, compression: bytes, size: int) -> bytes:
         return body[:size]
     if compression not in UNPACKERS:
         return b""
-    unpacker, found, room = UNPACKERS[compression](), bytearray(), min(size, LARGEST)
+    unpacker, found, room = UNPACKERS[compression](), bytearray(), min(size, MAX_UNPACKED_BYTES)
     try:
-        for at in range(0, len(body), PIECE):
-            found += unpacker.decompress(body[at : at + PIECE], max_length=room - len(found))
+        for at in range(0, len(body), UNPACKED_PIECE_BYTES):
+            found += unpacker.decompress(body[at : at + UNPACKED_PIECE_BYTES], max_length=room - len(found))
             while len(found) < room and not unpacker.eof and not unpacker.needs_input:
                 more = unpacker.decompress(b"", max_length=room - len(found))
                 if not more:

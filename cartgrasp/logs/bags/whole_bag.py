@@ -22,7 +22,7 @@ from rosbags.rosbag2 import ReaderError as ReaderError2
 from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml.error import YAMLError
 
-from .bag import SALVAGE, Bag, Message, message_kind, storages_in
+from .bag import SALVAGE_HINT, Bag, Message, message_kind, storages_in
 from .mcap_records import profile_of
 from .mcap_sums import check_sums
 from .sqlite_size import check_size
@@ -32,13 +32,13 @@ if sys.version_info >= (3, 14):
 else:
     from backports import zstd
 
-FOREIGN = (
+READER_ERRORS = (
     *(ReaderError1, ReaderError2, apsw.Error, sqlite3.Error, struct.error, zlib.error, zstd.ZstdError, YAMLError),
     *(OSError, EOFError, LookupError, ValueError, TypeError, AttributeError, AssertionError),
     *(ArithmeticError, MemoryError, RuntimeError),
 )
 """Beside their own errors, what these readers stumble over where bytes are not what they should be."""
-HIDDEN = ("-wal", "-journal")
+JOURNAL_SUFFIXES = ("-wal", "-journal")
 
 
 class WholeBag(Bag):
@@ -69,12 +69,12 @@ class WholeBag(Bag):
                 for topic, count in expected.items():
                     if numbers[topic] - before[topic] != count:
                         found = numbers[topic] - before[topic]
-                        raise self.refuse(f"{count} messages in its index, {found} in its data; {SALVAGE}", topic)
+                        raise self.refuse(f"{count} messages in its index, {found} in its data; {SALVAGE_HINT}", topic)
 
     def _check_kind(self, connection: Connection) -> None:
         kind = message_kind(connection.msgtype)
         if self.kinds.setdefault(connection.topic, kind) != kind:
-            why = f"has messages of two types, {self.kinds[connection.topic]} and {kind}; {SALVAGE}"
+            why = f"has messages of two types, {self.kinds[connection.topic]} and {kind}; {SALVAGE_HINT}"
             raise self.refuse(why, connection.topic)
         if self.is_ros1 and kind in ROS1_SUMS and connection.digest not in (ROS1_SUMS[kind], "*"):
             raise self.refuse(f"its {kind} is not the one of ROS (its definition's sum differs)", connection.topic)
@@ -99,11 +99,12 @@ class WholeBag(Bag):
             check_sums(file)
             if (profile := profile_of(file)) != "ros2":
                 raise self.refuse(
-                    f"{file.name} has the profile {profile!r}, not 'ros2', so its messages may be others; {SALVAGE}"
+                    f"{file.name} has the profile {profile!r}, not 'ros2', so its messages may be others; "
+                    f"{SALVAGE_HINT}"
                 )
         if file.suffix.lower() == ".db3":
             check_size(file)
-        for ending in HIDDEN:
+        for ending in JOURNAL_SUFFIXES:
             if file.with_name(file.name + ending).exists() and file.with_name(file.name + ending).stat().st_size:
                 why = f"{file.name}{ending} holds messages that were not put into it; open and close it with sqlite3"
                 raise self.refuse(why)
@@ -113,11 +114,11 @@ class WholeBag(Bag):
         """`last` holds the last message that was read, if there is one."""
         try:
             yield
-        except FOREIGN as error:
+        except READER_ERRORS as error:
             lines = str(error).strip().splitlines()
             reason = lines[0].rstrip(".") if lines else type(error).__name__
             topic, where = (last[0].topic, f"after message {last[0].number}: ") if last else ("", "")
-            raise self.refuse(f"{where}is damaged or cut off: {reason}; {SALVAGE}", topic) from error
+            raise self.refuse(f"{where}is damaged or cut off: {reason}; {SALVAGE_HINT}", topic) from error
 
 
 def definition(kind: str) -> str:

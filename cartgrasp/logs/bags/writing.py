@@ -20,12 +20,12 @@ from ...frames import PLANAR, body_to_world
 from ...writing import write_atomically
 from ..run_log import RunLog
 from .mcap_file import McapFile
-from .messages import ODOMETRY, TRANSFORMS, WRENCH, Sample, encode, encode_transforms
-from .opening import MAP_KEY, METADATA
+from .messages import ODOMETRY_TYPE, TF_TYPE, WRENCH_TYPE, Sample, encode, encode_transforms
+from .opening import MAP_KEY, METADATA_NAME
 
-NANO = 1_000_000_000
-LATEST = 2.0**31
-WORLD, CART = "world", "cart"
+NS_PER_S = 1_000_000_000
+MAX_STAMP_SECONDS = 2.0**31
+WORLD_FRAME, CART_FRAME = "world", "cart"
 ODOMETRY_TOPIC, TF_TOPIC = "/cart/odometry", "/tf"
 
 
@@ -40,34 +40,38 @@ def mcap_of(log: RunLog) -> bytes:
     epoch = _epoch(log)
     stamps = _stamps(log, epoch)
     names = _ros_names(list(log.arms))
-    file = McapFile({METADATA: {MAP_KEY: _map(log, names, epoch)}}, "cartgrasp")
-    odometry = file.channel(ODOMETRY_TOPIC, ODOMETRY, definition(ODOMETRY))
-    tf = file.channel(TF_TOPIC, TRANSFORMS, definition(TRANSFORMS))
-    wrenches = {arm: file.channel(f"/{names[arm]}/wrench", WRENCH, definition(WRENCH)) for arm in log.arms}
+    file = McapFile({METADATA_NAME: {MAP_KEY: _map(log, names, epoch)}}, "cartgrasp")
+    odometry = file.channel(ODOMETRY_TOPIC, ODOMETRY_TYPE, definition(ODOMETRY_TYPE))
+    tf = file.channel(TF_TOPIC, TF_TYPE, definition(TF_TYPE))
+    wrenches = {arm: file.channel(f"/{names[arm]}/wrench", WRENCH_TYPE, definition(WRENCH_TYPE)) for arm in log.arms}
     poses, twists = _poses(log).tolist(), _twists(log).tolist()
     contacts = {arm: arm_log.contact.tolist() for arm, arm_log in log.arms.items()}
     readings = {arm: arm_log.wrench.tolist() for arm, arm_log in log.arms.items()}
     for i, stamp in enumerate(stamps):
         pose = tuple(poses[i])
-        file.message(odometry, stamp, encode(Sample(stamp, WORLD, CART, pose + tuple(twists[i])), ODOMETRY))
-        sent = [Sample(stamp, WORLD, CART, pose)]
+        file.message(
+            odometry, stamp, encode(Sample(stamp, WORLD_FRAME, CART_FRAME, pose + tuple(twists[i])), ODOMETRY_TYPE)
+        )
+        sent = [Sample(stamp, WORLD_FRAME, CART_FRAME, pose)]
         for arm in log.arms:
-            sent.append(Sample(stamp, CART, names[arm], (*contacts[arm][i], 0.0, 0.0, 0.0, 1.0)))
+            sent.append(Sample(stamp, CART_FRAME, names[arm], (*contacts[arm][i], 0.0, 0.0, 0.0, 1.0)))
             reading = Sample(stamp, names[arm], "", tuple(readings[arm][i]))
-            file.message(wrenches[arm], stamp, encode(reading, WRENCH))
+            file.message(wrenches[arm], stamp, encode(reading, WRENCH_TYPE))
         file.message(tf, stamp, encode_transforms(sent))
     return file.done()
 
 
 def _epoch(log: RunLog) -> int:
     """ns to be added to the log's times so that none is negative."""
-    return max(0, math.ceil(-float(log.time[0]))) * NANO
+    return max(0, math.ceil(-float(log.time[0]))) * NS_PER_S
 
 
 def _stamps(log: RunLog, epoch: int) -> list[int]:
-    if log.time[-1] + epoch / NANO >= LATEST:
-        raise DataError(f"{log.name}: its times reach beyond what ROS can stamp, {LATEST:.0f} s; begin them near 0")
-    stamps = [round(t * NANO) + epoch for t in log.time.tolist()]
+    if log.time[-1] + epoch / NS_PER_S >= MAX_STAMP_SECONDS:
+        raise DataError(
+            f"{log.name}: its times reach beyond what ROS can stamp, {MAX_STAMP_SECONDS:.0f} s; begin them near 0"
+        )
+    stamps = [round(t * NS_PER_S) + epoch for t in log.time.tolist()]
     if any(b <= a for a, b in pairwise(stamps)):
         raise DataError(f"{log.name}: rows less than 1 ns apart can't be written as MCAP")
     return stamps
@@ -96,7 +100,7 @@ def _ros_names(arms: list[str]) -> dict[str, str]:
     for arm in arms:
         plain = re.sub(r"[^A-Za-z0-9_]", "_", arm)
         plain = plain if plain[:1].isalpha() else f"arm_{plain}"
-        while plain in (WORLD, CART, *names.values()):
+        while plain in (WORLD_FRAME, CART_FRAME, *names.values()):
             plain += "_"
         names[arm] = plain
     return names
@@ -106,7 +110,7 @@ def _map(log: RunLog, names: dict[str, str], epoch: int) -> str:
     step = float(np.diff(log.time).max()) if len(log) > 1 else 1.0
     arms = {}
     for arm in log.arms:
-        contact = {"topic": TF_TOPIC, "frame": CART, "child": names[arm]}
+        contact = {"topic": TF_TOPIC, "frame": CART_FRAME, "child": names[arm]}
         arms[arm] = {"topic": f"/{names[arm]}/wrench", "contact": contact, "force": "on_cart"}
     velocity = "none" if log.velocity is None else "twist"
     document = {

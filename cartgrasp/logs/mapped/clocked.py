@@ -6,12 +6,12 @@ from dataclasses import dataclass
 
 from ...frames import Array
 
-Place = tuple[str, ...]
+MapPlace = tuple[str, ...]
 """In a map: ("pose",), ("velocity",), ("arms", NAME), ("arms", NAME, "contact")."""
 
 
 @dataclass(frozen=True)
-class Clocked:
+class TimedSamples:
     """Times (n,) in s from the log's zero, strictly increasing, and numbers (n, k); of what is static the last holds
     for ever."""
 

@@ -6,7 +6,7 @@ import numpy as np
 
 from ...frames import Array, body_to_world, rotation_planar, unwrapped
 from .resampling import stretches
-from .smoothing_spline import FEWEST, spline_at_noise
+from .smoothing_spline import MIN_SPLINE_SAMPLES, spline_at_noise
 
 
 def planar(numbers: Array) -> Array:
@@ -42,7 +42,7 @@ def spline_velocity(time: Array, pose: Array, noise: tuple[float, float, float],
     time, pose = time[present], pose[present]
     found = np.full((len(at), 3), np.nan)
     for part in stretches(time, max_gap):
-        if part.stop - part.start < FEWEST:
+        if part.stop - part.start < MIN_SPLINE_SAMPLES:
             continue
         rows = (at >= time[part.start]) & (at <= time[part.stop - 1])
         for k in range(3):

@@ -10,23 +10,23 @@ import numpy as np
 from ...errors import LogError
 from ...frames import Array
 from ..run_log import ArmLog, RunLog
-from .clocked import Clocked, Place
+from .clocked import MapPlace, TimedSamples
 from .planar_pose import of_body, spline_velocity, world_velocity
 from .resampling import averaged, held, interpolated
 from .run_map import ArmEntry, MapFile, RunMap
 from .sensor_wrench import at_contact, on_cart
-from .steps import Step, Steps
+from .steps import ProcessingStep, ProcessingSteps
 
-FEWEST_TARED = 5
-FARTHEST_STILL, WIDEST_STILL = 0.005, 0.01
-MOST_ROWS_PER_SAMPLE = 50
+MIN_TARE_SAMPLES = 5
+MAX_TARE_MOTION, MAX_TARE_ROTATION = 0.005, 0.01
+MAX_ROWS_PER_SAMPLE = 50
 
 
 class Source(Protocol):
     """Samples by their place in a map: poses (n, 3) of the tracked frame, its twist (n, 3) in itself where the map
     wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` (rad) is None where all is planar."""
 
-    steps: Steps
+    steps: ProcessingSteps
     tilt: float | None
 
     @property
@@ -38,7 +38,7 @@ class Source(Protocol):
     @property
     def lost(self) -> list[str]: ...
 
-    def read(self) -> dict[Place, Clocked]: ...
+    def read(self) -> dict[MapPlace, TimedSamples]: ...
 
     def refuse(self, why: str) -> LogError: ...
 
@@ -49,7 +49,7 @@ class MapReading:
 
     log: RunLog
     map: RunMap
-    steps: tuple[Step, ...]
+    steps: tuple[ProcessingStep, ...]
     lost: tuple[str, ...]
 
 
@@ -61,8 +61,8 @@ def log_of(source: Source) -> MapReading:
 class _Reading:
     source: Source
     map_file: MapFile[Any]
-    samples: dict[Place, Clocked]
-    steps: Steps
+    samples: dict[MapPlace, TimedSamples]
+    steps: ProcessingSteps
 
     def done(self) -> MapReading:
         map_ = self.map_file.map
@@ -91,7 +91,7 @@ class _Reading:
                 why = f"{'.'.join(where)} has a sample every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
 
-    def _tracked(self) -> Clocked:
+    def _tracked(self) -> TimedSamples:
         """The poses of {b}."""
         samples, entry = self.samples["pose",], self.map_file.map.pose
         pose = of_body(samples.numbers, np.array(entry.body))
@@ -101,9 +101,9 @@ class _Reading:
         if self.source.tilt is not None:
             figures = {"largest_tilt_deg": float(np.degrees(self.source.tilt)), **figures}
         self.steps.add("pose", "planar pose of {b}, yaw unwrapped", **figures)
-        return Clocked(samples.time, pose)
+        return TimedSamples(samples.time, pose)
 
-    def _wrench(self, name: str, arm: ArmEntry, tracked: Clocked) -> Clocked:
+    def _wrench(self, name: str, arm: ArmEntry, tracked: TimedSamples) -> TimedSamples:
         samples = self.samples["arms", name]
         wrench = on_cart(samples.numbers, arm)
         if arm.force == "on_sensor":
@@ -115,21 +115,21 @@ class _Reading:
         if any(arm.sensor.position) or any(arm.sensor.rpy):
             wrench = at_contact(wrench, arm)
             self.steps.add(name, "from the sensor's frame to the contact frame", samples=len(wrench))
-        return Clocked(samples.time, wrench)
+        return TimedSamples(samples.time, wrench)
 
-    def _tare(self, name: str, still: list[float], time: Array, wrench: Array, tracked: Clocked) -> Array:
+    def _tare(self, name: str, still: list[float], time: Array, wrench: Array, tracked: TimedSamples) -> Array:
         """Mean (6,) of the readings in a stretch in which the cart stands still."""
         where = ("arms", name, "tare")
         inside = (time >= still[0]) & (time <= still[1]) & np.isfinite(wrench).all(axis=1)
-        if inside.sum() < FEWEST_TARED:
-            raise self.map_file.refuse(where, f"{inside.sum()} readings in it; {FEWEST_TARED} are needed")
+        if inside.sum() < MIN_TARE_SAMPLES:
+            raise self.map_file.refuse(where, f"{inside.sum()} readings in it; {MIN_TARE_SAMPLES} are needed")
         there = (tracked.time >= still[0]) & (tracked.time <= still[1]) & np.isfinite(tracked.numbers).all(axis=1)
         poses = tracked.numbers[there]
-        if len(poses) < FEWEST_TARED:
+        if len(poses) < MIN_TARE_SAMPLES:
             raise self.map_file.refuse(where, f"{len(poses)} poses in it: whether the cart stands still can't be told")
-        parts = np.array([np.median(part, axis=0) for part in np.array_split(poses, FEWEST_TARED)])
+        parts = np.array([np.median(part, axis=0) for part in np.array_split(poses, MIN_TARE_SAMPLES)])
         moved, turned = np.ptp(parts, axis=0)[:2].max(), np.ptp(parts[:, 2])
-        if moved > FARTHEST_STILL or turned > WIDEST_STILL:
+        if moved > MAX_TARE_MOTION or turned > MAX_TARE_ROTATION:
             why = f"the cart moves {1e3 * moved:.0f} mm and {turned:.2g} rad in it; name one in which it stands still"
             raise self.map_file.refuse(where, why)
         mean = wrench[inside].mean(axis=0)
@@ -161,12 +161,12 @@ class _Reading:
 
     def _even(self, rate: float, start: float, end: float) -> Array:
         rows = (end - start) * rate
-        if rows > MOST_ROWS_PER_SAMPLE * max(len(clocked.time) for clocked in self.samples.values()):
+        if rows > MAX_ROWS_PER_SAMPLE * max(len(clocked.time) for clocked in self.samples.values()):
             why = f"{rows:.3g} rows from {start:.6g} to {end:.6g} s, far more than there are samples: is a stamp wrong?"
             raise self.map_file.refuse(("clock",), why)
         return np.asarray(start + np.arange(int(rows + 1e-9) + 1) / rate)
 
-    def _velocity(self, tracked: Clocked, pose: Array, time: Array) -> Array | None:
+    def _velocity(self, tracked: TimedSamples, pose: Array, time: Array) -> Array | None:
         entry, max_gap = self.map_file.map.pose, self.map_file.map.max_gap
         if entry.velocity == "none":
             return None

@@ -9,7 +9,7 @@ import numpy as np
 
 from ...frames import Array
 
-FAR = 0.75
+MAX_OFFSET_STEPS = 0.75
 """Steps: from here on a sample is another row's, be that one there or not."""
 
 
@@ -51,7 +51,7 @@ def averaged(time: Array, rows: Array, at: Array, max_gap: float) -> Resampled:
     """
     edges = np.concatenate([[-np.inf], (at[1:] + at[:-1]) / 2, [np.inf]])
     row = np.searchsorted(edges, time, side="right") - 1
-    reach = min(max_gap / 2, FAR * float(np.median(np.diff(at)))) if len(at) > 1 else max_gap / 2
+    reach = min(max_gap / 2, MAX_OFFSET_STEPS * float(np.median(np.diff(at)))) if len(at) > 1 else max_gap / 2
     near = np.abs(time - at[row]) <= reach
     row, near_rows = row[near], rows[near]
     present = np.isfinite(near_rows)

@@ -12,12 +12,12 @@ from ...checks import MAX_DISTANCE, angle
 from ...errors import FileError, UsageError, printable
 from ...yaml_file import StrictModel, file_error, validate
 
-LARGEST = 1e6
+MAX_MAP_NUMBER = 1e6
 """m, rad, kg: what is beyond is no unit of these."""
-Number = Annotated[float, Field(ge=-LARGEST, le=LARGEST)]
+Number = Annotated[float, Field(ge=-MAX_MAP_NUMBER, le=MAX_MAP_NUMBER)]
 Triple = Annotated[list[Number], Field(min_length=3, max_length=3)]
 Positive = Annotated[float, Field(gt=0)]
-Bounded = Annotated[float, Field(gt=0, le=LARGEST)]
+Bounded = Annotated[float, Field(gt=0, le=MAX_MAP_NUMBER)]
 Latency = Annotated[float, Field(ge=-10, le=10)]
 Location = tuple[str, ...]
 Mistake = tuple[Location, str]

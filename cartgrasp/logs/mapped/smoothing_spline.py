@@ -13,8 +13,8 @@ import numpy as np
 
 from ...frames import Array
 
-FEWEST = 8
-WIDEST, NARROWEST = 14.0, -4.0
+MIN_SPLINE_SAMPLES = 8
+MAX_SMOOTHING_DECADE, MIN_SMOOTHING_DECADE = 14.0, -4.0
 """Decades of lam / h³ that are searched."""
 
 
@@ -45,7 +45,9 @@ def spline_at_noise(time: Array, values: Array, noise: float) -> Spline:
         residual = 10.0**decade * system.spread(curvature)
         return float(residual @ residual + 2 * noise**2 * _freedom(len(time), decade))
 
-    best = minimize_scalar(risk, bounds=(NARROWEST, WIDEST), method="bounded", options={"xatol": 0.02})
+    best = minimize_scalar(
+        risk, bounds=(MIN_SMOOTHING_DECADE, MAX_SMOOTHING_DECADE), method="bounded", options={"xatol": 0.02}
+    )
     knots, value, slope = system.spline(10.0**best.x)
     return Spline(time[0] + step * knots, value, slope / step)
 

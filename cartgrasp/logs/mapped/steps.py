@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 
 @dataclass(frozen=True)
-class Step:
+class ProcessingStep:
     """`of` is a topic, an arm, the pose or the log."""
 
     of: str
@@ -20,13 +20,13 @@ class Step:
 
 
 @dataclass
-class Steps:
+class ProcessingSteps:
     """A growing list."""
 
-    done: list[Step] = field(default_factory=list)
+    done: list[ProcessingStep] = field(default_factory=list)
 
     def add(self, of: str, what: str, **figures: float | int | str) -> None:
-        self.done.append(Step(of, what, {name.replace("_", " "): value for name, value in figures.items()}))
+        self.done.append(ProcessingStep(of, what, {name.replace("_", " "): value for name, value in figures.items()}))
 
 
 def _short(value: float | int | str) -> str:

@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ...errors import LogError, Place, printable
 from ...frames import Array, unwrapped
-from ..mapped.clocked import Clocked
-from ..mapped.clocked import Place as Where
-from ..mapped.steps import Steps
+from ..mapped.clocked import MapPlace as Where
+from ..mapped.clocked import TimedSamples
+from ..mapped.steps import ProcessingSteps
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
 from .table_file import Table, read_table
 from .table_map import (
@@ -30,10 +30,10 @@ from .table_map import (
 )
 from .units import UNITS, unit_of
 
-FARTHEST_NORM = 0.01
-MOST_TILT = 0.35
+QUATERNION_NORM_TOLERANCE = 0.01
+MAX_TILT = 0.35
 """rad."""
-LARGEST = 1e9
+MAX_MEASUREMENT = 1e9
 """m, rad, N: what is beyond is no measurement."""
 
 
@@ -43,7 +43,7 @@ class TableSource:
 
     path: Path
     map_file: TableMapFile
-    steps: Steps = field(default_factory=Steps)
+    steps: ProcessingSteps = field(default_factory=ProcessingSteps)
     tilt: float | None = None
     lost: list[str] = field(default_factory=list)
     tables: dict[Path, Table] = field(default_factory=dict)
@@ -55,28 +55,30 @@ class TableSource:
     def refuse(self, why: str) -> LogError:
         return LogError(Place(self.name), "", printable(why))
 
-    def read(self) -> dict[Where, Clocked]:
+    def read(self) -> dict[Where, TimedSamples]:
         map_ = self.map_file.map
-        found: dict[Where, Clocked] = {}
+        found: dict[Where, TimedSamples] = {}
         pose = map_.pose
         has_velocity = pose.velocity == "columns"
         names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
         clocked = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
         tracked = clocked.numbers[:, :3]
         tracked[:, 2] = unwrapped(tracked[:, 2])
-        found["pose",] = Clocked(clocked.time, tracked)
+        found["pose",] = TimedSamples(clocked.time, tracked)
         if has_velocity:
             twist = clocked.numbers[:, 3:]
-            found["velocity",] = Clocked(clocked.time, _in_cart(twist, tracked) if pose.frame == "world" else twist)
+            found["velocity",] = TimedSamples(
+                clocked.time, _in_cart(twist, tracked) if pose.frame == "world" else twist
+            )
         for name, arm in map_.arms.items():
             found |= self._arm(name, arm)
         return found
 
-    def _arm(self, name: str, arm: TableArm) -> dict[Where, Clocked]:
+    def _arm(self, name: str, arm: TableArm) -> dict[Where, TimedSamples]:
         where = ("arms", name)
         rest = 0.0 if arm.unmeasured == "zero" else np.nan
         values = [getattr(arm, part) if part in (arm.measures or ()) else rest for part in WRENCH_COLUMNS]
-        found: dict[Where, Clocked] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
+        found: dict[Where, TimedSamples] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
         if isinstance(arm.contact, ContactColumns):
             points = [getattr(arm.contact, part) for part in CONTACT_COLUMNS]
             found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, CONTACT_COLUMNS, arm.latency)
@@ -89,7 +91,7 @@ class TableSource:
         values: Sequence[Value | QuaternionEntry],
         names: Sequence[str],
         latency: float,
-    ) -> Clocked:
+    ) -> TimedSamples:
         """Rows in which nothing stands, nor a time, are the end of a shorter column."""
         table = self._table(where, part)
         entry = self.map_file.map.time if part.file is None else part.time
@@ -107,7 +109,7 @@ class TableSource:
         if len(time) > 1:
             figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
         self.steps.add(Path(table.name).name, "columns", **figures)
-        return Clocked(time - latency, numbers)
+        return TimedSamples(time - latency, numbers)
 
     def _table(self, where: Where, part: TablePart) -> Table:
         path, layout = self.path, self.map_file.map.table
@@ -126,7 +128,7 @@ class TableSource:
             return np.full(len(table.lines), float(value))
         assert value.column is not None
         numbers = in_si(table.column(value.column), name, value)
-        if (np.abs(numbers) > LARGEST).any():
+        if (np.abs(numbers) > MAX_MEASUREMENT).any():
             i = int(np.nanargmax(np.abs(numbers)))
             raise table.refuse(value.column, f"{numbers[i]:.3g} in SI units is no measurement", table.lines[i])
         return numbers
@@ -164,11 +166,11 @@ def yaw_of(quaternion: Array) -> Array:
 def _yaw(table: Table, entry: QuaternionEntry) -> Array:
     rows = np.column_stack([table.column(column) for column in entry.quaternion])
     tilt = np.arccos(np.clip(1 - 2 * (rows[:, :-2] ** 2).sum(axis=1), -1, 1))
-    if (tilt > MOST_TILT).any():
+    if (tilt > MAX_TILT).any():
         i = int(np.nanargmax(tilt))
         why = f"the frame is {np.degrees(tilt[i]):.0f}° off the vertical; a heading needs one whose z points up"
         raise table.refuse(entry.quaternion[0], why, table.lines[i])
-    odd = np.abs(np.linalg.norm(rows, axis=1) - 1) > FARTHEST_NORM
+    odd = np.abs(np.linalg.norm(rows, axis=1) - 1) > QUATERNION_NORM_TOLERANCE
     if odd.any():
         i = int(np.argmax(odd))
         why = f"the quaternion's norm is {np.linalg.norm(rows[i]):.3g}, not 1"

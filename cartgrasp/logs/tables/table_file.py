@@ -15,15 +15,15 @@ import numpy as np
 from ...errors import LogError, Place, printable
 from ...frames import Array
 from ...yaml_file import did_you_mean
-from ..csv_log import LONGEST
-from ..csv_log import MISSING as BLANK
+from ..csv_log import MAX_CELL_CHARS
+from ..csv_log import MISSING_CELLS as BLANK
 from .table_map import TableFormat
 
-MISSING = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
-NUMBER = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
-DATE = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
+MISSING_TABLE_CELLS = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
+NUMBER_PATTERN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
+DATE_PATTERN = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
 """A pattern found in a date, or in a time of the day."""
-PARQUET = ".parquet"
+PARQUET_SUFFIX = ".parquet"
 
 
 @dataclass(frozen=True)
@@ -71,8 +71,8 @@ class Table:
     def _number(self, cell: str, line: int, column: str | int) -> float:
         value = number(cell, self.decimal)
         if value is None or math.isinf(value):
-            short = cell.strip() if len(cell) <= LONGEST else cell[:LONGEST] + "…"
-            cure = "write times as seconds" if DATE.search(cell) else "a missing sample is a blank cell or nan"
+            short = cell.strip() if len(cell) <= MAX_CELL_CHARS else cell[:MAX_CELL_CHARS] + "…"
+            cure = "write times as seconds" if DATE_PATTERN.search(cell) else "a missing sample is a blank cell or nan"
             raise self.refuse(column, f"{short!r} is not a number ({cure})", line)
         return value
 
@@ -80,18 +80,18 @@ class Table:
 def number(cell: str, decimal: str) -> float | None:
     """None if it is none; NaN if it is missing. Digits in groups are no number: 1,234 may be 1.234."""
     cell = cell.strip()
-    if cell in MISSING:
+    if cell in MISSING_TABLE_CELLS:
         return math.nan
     if decimal == ",":
         if "." in cell:
             return None
         cell = cell.replace(",", ".")
-    return float(cell) if NUMBER.fullmatch(cell) else None
+    return float(cell) if NUMBER_PATTERN.fullmatch(cell) else None
 
 
 def read_table(path: Path, layout: TableFormat) -> Table:
     """The table in a file."""
-    if path.suffix.lower() == PARQUET:
+    if path.suffix.lower() == PARQUET_SUFFIX:
         return _parquet(path, layout.every)
     name, lines = str(path), text_lines(path)
     header = None

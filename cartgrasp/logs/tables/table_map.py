@@ -30,11 +30,11 @@ DIMENSIONS: Mapping[str, str] = {
     "omega": "rate",
     "t": "time",
 }
-OVER_A_RADIUS = {"length": "angle", "force": "moment"}
+RADIUS_DIMENSIONS = {"length": "angle", "force": "moment"}
 """What a column with a `radius` holds: a wheel's angle times it is a way, a moment over it a force."""
-GUESS = "is a guess: take its question mark away if it is right, else put what is right"
-SHORT = "is a guess"
-NO_ARMS = "is not stated: {} if nobody touches the cart, else who does"
+GUESS_ERROR = "is a guess: take its question mark away if it is right, else put what is right"
+GUESS_NOTE = "is a guess"
+ARMS_NOT_STATED = "is not stated: {} if nobody touches the cart, else who does"
 Component = Literal["fx", "fy", "fz", "tx", "ty", "tz"]
 
 
@@ -165,9 +165,9 @@ class Question:
 
 def open_questions(document: CommentedMap, name: str) -> list[Question]:
     """All guesses, and all that is blank or wrong."""
-    found = [Question(where, said.removesuffix("?"), SHORT) for where, said in guesses(document)]
+    found = [Question(where, said.removesuffix("?"), GUESS_NOTE) for where, said in guesses(document)]
     if document.get("arms", 0) is None:
-        found.append(Question(("arms",), None, NO_ARMS))
+        found.append(Question(("arms",), None, ARMS_NOT_STATED))
     model = validate(TableMap, without_marks(copy_of(document, name), name), name)
     return [*found, *(Question(where, None, why) for where, why in model.mistakes())]
 
@@ -177,9 +177,11 @@ def _map_file(document: CommentedMap, name: str) -> TableMapFile:
     if isinstance(pose, CommentedMap) and "topic" in pose:
         why = "is for bags, and a table is no bag; a table's map names columns: `cartgrasp topics FILE` proposes one"
         raise file_error(document, name, ("pose", "topic"), why)
-    unsure = [(where, f"{said} {SHORT if i else GUESS}") for i, (where, said) in enumerate(guesses(document))]
+    unsure = [
+        (where, f"{said} {GUESS_NOTE if i else GUESS_ERROR}") for i, (where, said) in enumerate(guesses(document))
+    ]
     if document.get("arms", 0) is None:
-        unsure.append((("arms",), NO_ARMS))
+        unsure.append((("arms",), ARMS_NOT_STATED))
     return MapFile(TableMap, without_marks(document, name), name, PAGE, unsure)
 
 
@@ -230,7 +232,7 @@ def _of_values(where: Location, entry: StrictModel, names: tuple[str, ...] | lis
                 yield (*where, name, "quaternion"), "needs the columns of x, y, z and w, or of z and w alone"
         elif isinstance(value, ColumnEntry):
             dimension = DIMENSIONS[name]
-            if value.radius is not None and dimension not in OVER_A_RADIUS:
+            if value.radius is not None and dimension not in RADIUS_DIMENSIONS:
                 yield (*where, name, "radius"), "is for ways (of an angle) and forces (of a moment) alone"
             else:
                 yield from _of_unit((*where, name, "unit"), value.unit, dimension_of(name, value))
@@ -247,4 +249,4 @@ def _of_unit(where: Location, unit: str | None, dimension: str) -> Iterator[Mist
 def dimension_of(name: str, value: ColumnEntry) -> str:
     """The dimension of what the column holds: with a `radius`, an angle for a length and a moment for a force."""
     dimension = DIMENSIONS[name]
-    return OVER_A_RADIUS.get(dimension, dimension) if value.radius is not None else dimension
+    return RADIUS_DIMENSIONS.get(dimension, dimension) if value.radius is not None else dimension

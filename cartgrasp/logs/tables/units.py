@@ -28,7 +28,7 @@ UNITS: Mapping[str, Mapping[str, float]] = {
     },
 }
 """By dimension and name, what a number is multiplied by to be in SI units."""
-SYNONYMS: Mapping[str, Mapping[str, str]] = {
+UNIT_SYNONYMS: Mapping[str, Mapping[str, str]] = {
     "time": {"s": "sec secs second seconds", "ms": "msec millis milliseconds", "us": "usec micros", "ns": "nsec nanos"},
     "length": {
         "m": "meter meters metre metres",
@@ -60,7 +60,7 @@ _BY_WORD: Mapping[str, Mapping[str, str]] = {
     dimension: {
         _bare(word): unit
         for unit in units
-        for word in (unit, unit.replace("/", ""), *SYNONYMS.get(dimension, {}).get(unit, "").split())
+        for word in (unit, unit.replace("/", ""), *UNIT_SYNONYMS.get(dimension, {}).get(unit, "").split())
     }
     for dimension, units in UNITS.items()
 }

@@ -17,7 +17,7 @@ from ..table_file import Table, read_table
 from .layout import Layout, layout_of
 from .names import Meaning, meaning_of
 
-QUATERNION = ("qx", "qy", "qz", "qw")
+QUATERNION_ROLES = ("qx", "qy", "qz", "qw")
 
 
 @dataclass(frozen=True, eq=False)
@@ -111,11 +111,11 @@ class FileColumns:
     @property
     def yaw(self) -> Column | None:
         """The heading, rad, of a quaternion whose four components are there, or the two that a yaw alone has."""
-        found = {role: self.of_role(role) for role in QUATERNION}
-        names = [role for role in QUATERNION if found[role]]
+        found = {role: self.of_role(role) for role in QUATERNION_ROLES}
+        names = [role for role in QUATERNION_ROLES if found[role]]
         if not {"qz", "qw"} <= set(names):
             return None
-        roles = list(QUATERNION) if len(names) == 4 else ["qz", "qw"]
+        roles = list(QUATERNION_ROLES) if len(names) == 4 else ["qz", "qw"]
         columns = [found[role][0] for role in roles]
         refs = [column.ref for column in columns if not isinstance(column.ref, list)]
         numbers = yaw_of(np.column_stack([column.said for column in columns]))

@@ -14,17 +14,17 @@ import numpy as np
 
 from ....frames import Array, unwrapped
 
-RATE = 50.0
+MAX_GRID_RATE = 50.0
 """Hz: of the grid, at most."""
-SMOOTH = 0.4
+SMOOTHING_WINDOW = 0.4
 """s: window of the parabolas that velocities are read off; accelerations take twice of it."""
-FEWEST = 40
-MOVING = 0.15
+MIN_GRID_SAMPLES = 40
+MOVING_SPEED_FRACTION = 0.15
 """Share of the 95th percentile of the speed below which no direction of travel is read."""
-CLEAR = 0.3
+MAX_DISAGREEMENT_RATIO = 0.3
 """What one reading of headings lacks to agree (1 less its agreement) is at most so much of what any other lacks."""
-AGREES = 0.9
-Z_SURE = 8.0
+AGREEMENT_THRESHOLD = 0.9
+MASS_SIGMAS = 8.0
 """Standard deviations by which a mass must differ from zero; neighbours in the residual are not independent."""
 
 
@@ -54,22 +54,22 @@ class Motion:
 
     def smoothed(self, time: Array, column: Array) -> Array:
         """A column (m,) of other times on the grid, smoothed as accelerations are."""
-        return _derivative(self.on(time, column), float(self.time[1] - self.time[0]), 2 * SMOOTH, 0)
+        return _derivative(self.on(time, column), float(self.time[1] - self.time[0]), 2 * SMOOTHING_WINDOW, 0)
 
 
 def motion_of(time: Array, x: Array, y: Array) -> Motion | None:
     """None where rows are too few, or the clock doesn't run."""
     there = np.isfinite(time) & np.isfinite(x) & np.isfinite(y)
     time, x, y = time[there], x[there], y[there]
-    if len(time) < FEWEST or not (np.diff(time) > 0).all():
+    if len(time) < MIN_GRID_SAMPLES or not (np.diff(time) > 0).all():
         return None
-    step = max(float(np.median(np.diff(time))), 1 / RATE, (time[-1] - time[0]) / 100_000)
+    step = max(float(np.median(np.diff(time))), 1 / MAX_GRID_RATE, (time[-1] - time[0]) / 100_000)
     grid = np.arange(time[0], time[-1], step)
-    if len(grid) < FEWEST:
+    if len(grid) < MIN_GRID_SAMPLES:
         return None
     position = np.column_stack([np.interp(grid, time, column) for column in (x, y)])
-    velocity = np.column_stack([_derivative(column, step, SMOOTH, 1) for column in position.T])
-    acceleration = np.column_stack([_derivative(column, step, 2 * SMOOTH, 2) for column in position.T])
+    velocity = np.column_stack([_derivative(column, step, SMOOTHING_WINDOW, 1) for column in position.T])
+    acceleration = np.column_stack([_derivative(column, step, 2 * SMOOTHING_WINDOW, 2) for column in position.T])
     return Motion(grid, position, velocity, acceleration)
 
 
@@ -93,19 +93,19 @@ class Heading:
     agreement: float
 
 
-PERIODS: Mapping[str, float] = {"deg": 360.0, "rad": 2 * np.pi}
+FULL_TURNS: Mapping[str, float] = {"deg": 360.0, "rad": 2 * np.pi}
 
 
 def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
     """The reading with which headings go where the cart goes, or always as far beside it; None where several do, or
     none does: on casters, or on a way that hardly turns."""
-    moving = motion.speed > MOVING * motion.top_speed
+    moving = motion.speed > MOVING_SPEED_FRACTION * motion.top_speed
     travel = np.arctan2(motion.velocity[:, 1], motion.velocity[:, 0])
     straight, beside = [], []
-    for unit, sign in product(PERIODS, (1, -1)):
-        angle = sign * motion.on(time, unwrapped(column, PERIODS[unit])) * (2 * np.pi / PERIODS[unit])
+    for unit, sign in product(FULL_TURNS, (1, -1)):
+        angle = sign * motion.on(time, unwrapped(column, FULL_TURNS[unit])) * (2 * np.pi / FULL_TURNS[unit])
         seen = moving & np.isfinite(angle)
-        if seen.sum() < FEWEST:
+        if seen.sum() < MIN_GRID_SAMPLES:
             return None
         mean = np.mean(np.exp(2j * (travel - angle)[seen]))
         straight.append(Heading(unit, sign, 0.0, float(mean.real)))
@@ -116,7 +116,9 @@ def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
 def _clearest(found: Sequence[Heading]) -> Heading | None:
     """The one that agrees, if it is off by far less than any other."""
     best, second = sorted(found, key=lambda one: -one.agreement)[:2]
-    is_clear = best.agreement > AGREES and 1 - best.agreement < CLEAR * (1 - second.agreement)
+    is_clear = best.agreement > AGREEMENT_THRESHOLD and 1 - best.agreement < MAX_DISAGREEMENT_RATIO * (
+        1 - second.agreement
+    )
     return best if is_clear else None
 
 
@@ -145,7 +147,7 @@ def velocities(motion: Motion, time: Array, vx: Array, vy: Array, heading: Array
     for frame, truth in truths.items():
         seen = np.isfinite(recorded).all(axis=1) & np.isfinite(truth).all(axis=1)
         a, b = recorded[seen], truth[seen]
-        if seen.sum() < FEWEST or not (b**2).sum() > 0 or not (a**2).sum() > 0:
+        if seen.sum() < MIN_GRID_SAMPLES or not (b**2).sum() > 0 or not (a**2).sum() > 0:
             return None
         scales = [float(a[:, k] @ b[:, k] / (b[:, k] @ b[:, k])) if b[:, k].any() else 0.0 for k in range(2)]
         size = [float(np.sqrt((b[:, k] ** 2).sum())) for k in range(2)]
@@ -157,8 +159,8 @@ def velocities(motion: Motion, time: Array, vx: Array, vy: Array, heading: Array
         found.append(Velocities(frame, agreement, (factors[0], factors[1]), False))
     best = max(found, key=lambda one: one.agreement)
     others = [one.agreement for one in found if one is not best]
-    is_clear = best.agreement > AGREES and all(best.agreement - other > 0.02 for other in others)
-    alike = best.agreement > AGREES and all(abs(best.agreement - other) < 1e-3 for other in others)
+    is_clear = best.agreement > AGREEMENT_THRESHOLD and all(best.agreement - other > 0.02 for other in others)
+    alike = best.agreement > AGREEMENT_THRESHOLD and all(abs(best.agreement - other) < 1e-3 for other in others)
     return Velocities(best.frame, best.agreement, best.factors, is_clear or alike)
 
 
@@ -166,13 +168,13 @@ def scale(recorded: Array, truth: Array) -> tuple[float, float]:
     """The factor by which a column is larger than another, and how well they agree (-1 to 1)."""
     seen = np.isfinite(recorded) & np.isfinite(truth)
     a, b = recorded[seen], truth[seen]
-    if seen.sum() < FEWEST or not b.any() or not a.any():
+    if seen.sum() < MIN_GRID_SAMPLES or not b.any() or not a.any():
         return 0.0, 0.0
     return float(a @ b / (b @ b)), float(a @ b / np.sqrt((a @ a) * (b @ b)))
 
 
 @dataclass(frozen=True)
-class Push:
+class MassRegression:
     """What a force that goes with the cart's motion tells: the mass (kg, with the force's sign) and how many standard
     deviations it is from zero; `power` is the work's sign on a way that costs work."""
 
@@ -183,10 +185,10 @@ class Push:
 
     @property
     def is_sure(self) -> bool:
-        return abs(self.z) > Z_SURE and self.explained > 0.3
+        return abs(self.z) > MASS_SIGMAS and self.explained > 0.3
 
 
-def push(motion: Motion, heading: Array, force: Array) -> Push | None:
+def mass_regression(motion: Motion, heading: Array, force: Array) -> MassRegression | None:
     """Regression of a force (n,) along the cart on acceleration, speed, direction and a constant. The force is on the
     motion's grid, smoothed as its acceleration is. None where the rows tell too little."""
     c, s = np.cos(heading), np.sin(heading)
@@ -194,7 +196,7 @@ def push(motion: Motion, heading: Array, force: Array) -> Push | None:
     speed = motion.velocity @ [1, 0] * c + motion.velocity @ [0, 1] * s
     seen = np.isfinite(force) & np.isfinite(along) & np.isfinite(speed)
     step = float(motion.time[1] - motion.time[0])
-    stride = max(round(SMOOTH / step), 1)
+    stride = max(round(SMOOTHING_WINDOW / step), 1)
     rows = np.flatnonzero(seen)[::stride]
     if len(rows) < 12 or np.ptp(along[rows]) == 0 or np.std(force[rows]) == 0:
         return None
@@ -206,6 +208,6 @@ def push(motion: Motion, heading: Array, force: Array) -> Push | None:
     variance = float(left @ left) / max(len(rows) - 4, 1)
     spread = np.linalg.pinv(design.T @ design)[0, 0] * variance
     explained = 1 - float(left.var() / target.var())
-    return Push(
+    return MassRegression(
         float(values[0]), float(values[0] / np.sqrt(spread + 1e-300)), explained, float(np.nansum(force * speed))
     )

@@ -14,19 +14,21 @@ from ...run_log import WRENCH_COLUMNS
 from ..table_map import DIMENSIONS
 from ..units import UNITS
 from .columns import Column, FileColumns
-from .evidence import Motion, Push, push
+from .evidence import MassRegression, Motion, mass_regression
 from .motion_units import Entry, one_of_several, time_unit
-from .said import Said
+from .said import ProposedValue
 
-MASSES = (0.3, 3000.0)
+PLAUSIBLE_MASSES = (0.3, 3000.0)
 """kg, of what is pushed."""
-PLANAR = frozenset(("fx", "fy", "tz"))
-LAGS = 3.0
+PLANAR_COMPONENTS = frozenset(("fx", "fy", "tz"))
+MAX_CLOCK_LAG = 3.0
 """s: how far apart two clocks that each begin at zero are looked for."""
 FILE_WORDS = frozenset(["ft", "force", "wrench", "sensor", "log", "run", "data", "loadcell", "kraft"])
 
-ASKED = Said(None, False, "on_cart: what the arm does to the cart; on_sensor: what the sensor feels")
-NONE = Said(0.0)
+UNKNOWN_FORCE_CONVENTION = ProposedValue(
+    None, False, "on_cart: what the arm does to the cart; on_sensor: what the sensor feels"
+)
+PROPOSED_ZERO = ProposedValue(0.0)
 
 
 @dataclass(frozen=True, eq=False)
@@ -37,11 +39,11 @@ class Arm:
     file: FileColumns
     time: Array
     time_column: Column | None
-    time_unit: Said
+    time_unit: ProposedValue
     columns: Mapping[str, Column]
-    force: Said = ASKED
-    yaw: Said = NONE
-    latency: Said = NONE
+    force: ProposedValue = UNKNOWN_FORCE_CONVENTION
+    yaw: ProposedValue = PROPOSED_ZERO
+    latency: ProposedValue = PROPOSED_ZERO
     likely: str = "N"
     """The unit assumed for forces without a label: one with which the mass is plausible."""
     length: str = "m"
@@ -54,25 +56,25 @@ class Arm:
     def contact(self) -> dict[str, Column]:
         return {name: self.columns[name] for name in ("px", "py", "pz") if name in self.columns}
 
-    def unit(self, component: str) -> Said:
+    def unit(self, component: str) -> ProposedValue:
         """The unit that a component's label states, else a usual one that is to be confirmed."""
         column, dimension = self.columns[component], DIMENSIONS[component]
         if column.odd:
-            return Said(None, False, f"its label says {column.odd}")
+            return ProposedValue(None, False, f"its label says {column.odd}")
         if column.unit is not None:
-            return Said(column.unit)
+            return ProposedValue(column.unit)
         default = {"force": self.likely, "moment": "N·m", "length": self.length}[dimension]
-        return Said(default, False, "no unit is in its name")
+        return ProposedValue(default, False, "no unit is in its name")
 
     @property
-    def unmeasured(self) -> Said | None:
+    def unmeasured(self) -> ProposedValue | None:
         """Nothing is asked where only what presses down is not measured."""
         rest = [name for name in WRENCH_COLUMNS if name not in self.columns]
         if not rest:
             return None
-        if set(self.columns) >= PLANAR:
-            return Said("zero", True, f"{', '.join(rest)} only move load between the wheels")
-        return Said(None, False, f"zero if {', '.join(rest)} are known to be nothing, else missing")
+        if set(self.columns) >= PLANAR_COMPONENTS:
+            return ProposedValue("zero", True, f"{', '.join(rest)} only move load between the wheels")
+        return ProposedValue(None, False, f"zero if {', '.join(rest)} are known to be nothing, else missing")
 
     def si(self, component: str) -> Array:
         """(n,), as far as its unit is told; zero if it isn't measured."""
@@ -88,7 +90,7 @@ def arms_of(files: Sequence[FileColumns]) -> list[Arm]:
     found: list[Arm] = []
     for file in files:
         column = time_of(file)
-        unit = Said(None) if column is None else time_unit(column)
+        unit = ProposedValue(None) if column is None else time_unit(column)
         time = np.arange(len(file.table.lines)) / 100.0
         if column is not None:
             time = column.said * UNITS["time"][str(unit.value)]
@@ -130,10 +132,10 @@ def judged(arms: Sequence[Arm], motion: Motion | None, time: Array, heading: Arr
         return list(arms)
     along = motion.on(time, heading)
     arms = [replace(arm, latency=_latency(arm, motion, along, time)) for arm in arms]
-    pushes = {name: push(motion, along, _total(arms, motion, name)) for name in ("fx", "fy")}
-    if pushes["fx"] is not None and pushes["fx"].is_sure and abs(pushes["fx"].mass) < MASSES[0]:
+    pushes = {name: mass_regression(motion, along, _total(arms, motion, name)) for name in ("fx", "fy")}
+    if pushes["fx"] is not None and pushes["fx"].is_sure and abs(pushes["fx"].mass) < PLAUSIBLE_MASSES[0]:
         arms = [replace(arm, likely="kN") for arm in arms]
-        pushes["fx"] = push(motion, along, _total(arms, motion, "fx"))
+        pushes["fx"] = mass_regression(motion, along, _total(arms, motion, "fx"))
     return [_told(arm, pushes["fx"], pushes["fy"]) for arm in arms]
 
 
@@ -142,7 +144,7 @@ def _total(arms: Sequence[Arm], motion: Motion, component: str, lag: float = 0.0
     return np.asarray(np.sum(parts, axis=0))
 
 
-def _told(arm: Arm, fx: Push | None, fy: Push | None) -> Arm:
+def _told(arm: Arm, fx: MassRegression | None, fy: MassRegression | None) -> Arm:
     if fx is not None and fx.is_sure:
         return replace(arm, force=_sign(fx))
     if fy is not None and fy.is_sure and (fx is None or fy.explained > fx.explained + 0.3):
@@ -150,24 +152,28 @@ def _told(arm: Arm, fx: Push | None, fy: Push | None) -> Arm:
             "fy, not fx, goes with how the cart speeds up: the sensor's y points along the cart, forwards or backwards"
         )
         quarter = -np.pi / 2 if fy.mass > 0 else np.pi / 2
-        return replace(arm, yaw=Said(round(float(quarter), 4), False, why), force=Said("on_cart", False, why))
+        return replace(
+            arm, yaw=ProposedValue(round(float(quarter), 4), False, why), force=ProposedValue("on_cart", False, why)
+        )
     return arm
 
 
-def _sign(fx: Push) -> Said:
+def _sign(fx: MassRegression) -> ProposedValue:
     """A pushed cart speeds up by the force on it, and costs work."""
     mass = f"it tells {abs(fx.mass):.3g} kg"
-    if not MASSES[0] <= abs(fx.mass) <= MASSES[1]:
-        return Said("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}: look at units")
+    if not PLAUSIBLE_MASSES[0] <= abs(fx.mass) <= PLAUSIBLE_MASSES[1]:
+        return ProposedValue("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}: look at units")
     if fx.mass > 0 and fx.power > 0:
-        return Said("on_cart", True, f"the cart speeds up with fx ({abs(fx.mass):.3g} kg)")
+        return ProposedValue("on_cart", True, f"the cart speeds up with fx ({abs(fx.mass):.3g} kg)")
     if fx.mass < 0 and fx.power < 0:
         why = f"the cart slows down with fx ({abs(fx.mass):.3g} kg): felt by the sensor, or its x points backwards"
-        return Said("on_sensor", False, why)
-    return Said("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}, but takes work out of it: look at signs")
+        return ProposedValue("on_sensor", False, why)
+    return ProposedValue(
+        "on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}, but takes work out of it: look at signs"
+    )
 
 
-def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
+def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> ProposedValue:
     """The latency (s) of an arm with a clock of its own that begins at zero as the other does. It is sure to be 0 where
     forces fit the motion best without a lag."""
     begins = float(np.nanmin(arm.time)), float(np.nanmin(time))
@@ -176,19 +182,19 @@ def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> Said:
         or arm.time_column is None
         or (len(arm.time) == len(time) and np.array_equal(arm.time, time, equal_nan=True))
     ):
-        return Said(0.0)
+        return ProposedValue(0.0)
     if min(begins) > 1000:
-        return Said(0.0)
-    lags = np.arange(-LAGS, LAGS + 0.05, 0.1)
-    fits = [push(motion, along, _total([arm], motion, "fx", float(lag))) for lag in lags]
+        return ProposedValue(0.0)
+    lags = np.arange(-MAX_CLOCK_LAG, MAX_CLOCK_LAG + 0.05, 0.1)
+    fits = [mass_regression(motion, along, _total([arm], motion, "fx", float(lag))) for lag in lags]
     explained = np.array([0.0 if one is None else one.explained for one in fits])
     at_best = int(np.argmax(explained))
     is_peak = 0 < at_best < len(lags) - 1 and explained[at_best] > 0.5
     at_zero = float(explained[int(np.argmin(np.abs(lags)))])
     if at_zero > 0.5 and explained.max() - at_zero < 0.05:
-        return Said(0.0, True, "forces fit the motion best without a lag")
+        return ProposedValue(0.0, True, "forces fit the motion best without a lag")
     guess = round(float(lags[at_best]), 1) if is_peak else 0.0
-    return Said(guess, False, "did both clocks begin at the same moment?")
+    return ProposedValue(guess, False, "did both clocks begin at the same moment?")
 
 
 def component_entry(arm: Arm, component: str) -> Entry:

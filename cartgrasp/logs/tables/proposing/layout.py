@@ -8,14 +8,14 @@ from dataclasses import dataclass
 from pathlib import Path
 
 from ....errors import LogError, Place
-from ..table_file import MISSING, PARQUET, number, split, text_lines
+from ..table_file import MISSING_TABLE_CELLS, PARQUET_SUFFIX, number, split, text_lines
 from ..table_map import TableFormat
 from ..units import UNITS, unit_of
 
 SEPARATORS = (";", "\t", ",", "|", " ")
-LOOKED_AT = 400
+MAX_LAYOUT_LINES = 400
 """Lines."""
-HALF = 0.5
+MAJORITY_FRACTION = 0.5
 
 
 @dataclass(frozen=True)
@@ -29,10 +29,10 @@ class Layout:
 
 def layout_of(path: Path) -> Layout:
     """Raises LogError where no rows of numbers are found."""
-    if path.suffix.lower() == PARQUET:
+    if path.suffix.lower() == PARQUET_SUFFIX:
         return Layout(TableFormat())
     lines = text_lines(path)
-    looks = [(i, line) for i, line in enumerate(lines) if line.strip()][:LOOKED_AT]
+    looks = [(i, line) for i, line in enumerate(lines) if line.strip()][:MAX_LAYOUT_LINES]
     best, score = None, (0.0, 0)
     for separator in SEPARATORS:
         for decimal in (".", ",") if separator != "," else (".",):
@@ -63,14 +63,14 @@ def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tu
     width = max(set(widths), key=widths.count)
     if width < 2:
         return [], 0.0
-    rows = [(i, row) for i, row in cells if len(row) == width and _share(row, decimal) >= HALF]
+    rows = [(i, row) for i, row in cells if len(row) == width and _share(row, decimal) >= MAJORITY_FRACTION]
     total = sum(_share(row, decimal) for _, row in rows)
     return rows, total / len(cells)
 
 
 def _share(row: Sequence[str], decimal: str) -> float:
     """The share of numbers among the cells that are not missing."""
-    cells = [cell for cell in row if cell.strip() not in MISSING]
+    cells = [cell for cell in row if cell.strip() not in MISSING_TABLE_CELLS]
     return sum(number(cell, decimal) is not None for cell in cells) / len(cells) if cells else 0.0
 
 
@@ -81,7 +81,7 @@ def _header(
     above = [
         (i, row)
         for i, row in ((i, _bare(row, width)) for i, row in cells if i < first)
-        if len(row) == width and _share(row, decimal) < HALF
+        if len(row) == width and _share(row, decimal) < MAJORITY_FRACTION
     ]
     if not above:
         return None, ()
@@ -100,7 +100,7 @@ def _are_units(row: Sequence[str]) -> bool:
     words = [cell.strip().strip("[]()") for cell in row]
     words = [word for word in words if word not in ("", "-", "1")]
     known = [word for word in words if any(unit_of(word, dimension) for dimension in UNITS)]
-    return len(words) > 0 and len(known) > HALF * len(words)
+    return len(words) > 0 and len(known) > MAJORITY_FRACTION * len(words)
 
 
 def _may_be_groups(rows: Sequence[tuple[int, list[str]]]) -> bool:

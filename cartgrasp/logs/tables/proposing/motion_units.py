@@ -10,18 +10,18 @@ from ....frames import Array, unwrapped
 from ..units import UNITS
 from .columns import Column, FileColumns, first_of
 from .evidence import Motion, heading_of, motion_of, scale, velocities
-from .said import Said
+from .said import ProposedValue
 
-RATES = (2.0, 5000.0)
+LOG_RATE_RANGE = (2.0, 5000.0)
 """Hz, of logs."""
-SPANS = (1.0, 24 * 3600.0)
+LOG_DURATION_RANGE = (1.0, 24 * 3600.0)
 """s."""
-SPEEDS = (0.005, 15.0)
-"""m/s: the 95th percentile of a pushed cart's speed; likely up to `LIKELY`."""
-LIKELY = 4.0
-NEAR = 0.1
+CART_SPEED_RANGE = (0.005, 15.0)
+"""m/s: the 95th percentile of a pushed cart's speed; likely up to `MAX_LIKELY_SPEED`."""
+MAX_LIKELY_SPEED = 4.0
+UNIT_FACTOR_TOLERANCE = 0.1
 """Largest relative difference between a factor and a unit that is taken for it."""
-STRAIGHT = 0.26
+MAX_TRACKER_YAW = 0.26
 """rad: an offset that small is a tracker that is a little turned, told later."""
 
 
@@ -29,46 +29,49 @@ STRAIGHT = 0.26
 class Entry:
     """A column in a map, or a constant."""
 
-    column: Said | None
-    unit: Said = field(default_factory=lambda: Said(None))
-    sign: Said = field(default_factory=lambda: Said(1))
-    constant: Said | None = None
+    column: ProposedValue | None
+    unit: ProposedValue = field(default_factory=lambda: ProposedValue(None))
+    sign: ProposedValue = field(default_factory=lambda: ProposedValue(1))
+    constant: ProposedValue | None = None
 
 
-def one_of_several(column: Column, is_only: bool) -> Said:
-    return Said(column.ref, is_only, "" if is_only else "several columns may be it")
+def one_of_several(column: Column, is_only: bool) -> ProposedValue:
+    return ProposedValue(column.ref, is_only, "" if is_only else "several columns may be it")
 
 
 def near(factor: float, dimension: str) -> str | None:
     """The unit that is about so large."""
     for unit, size in UNITS[dimension].items():
-        if factor > 0 and abs(factor / size - 1) < NEAR:
+        if factor > 0 and abs(factor / size - 1) < UNIT_FACTOR_TOLERANCE:
             return unit
     return None
 
 
-def time_unit(column: Column) -> Said:
+def time_unit(column: Column) -> ProposedValue:
     """The clock's unit: the one of its label, else the only one with which rows come at a rate and for a time that logs
     have."""
     times = column.said[np.isfinite(column.said)]
     steps = np.diff(times)
     if len(times) < 2 or not (steps > 0).any():
-        return Said(column.unit or "s", False, "the clock doesn't run: look at the column")
+        return ProposedValue(column.unit or "s", False, "the clock doesn't run: look at the column")
     step = float(np.median(steps[steps > 0]))
     span = float(times.max() - times.min())
 
     def fits(unit: str) -> bool:
         size = UNITS["time"][unit]
-        return RATES[0] <= 1 / (step * size) <= RATES[1] and SPANS[0] <= span * size <= SPANS[1]
+        return (
+            LOG_RATE_RANGE[0] <= 1 / (step * size) <= LOG_RATE_RANGE[1]
+            and LOG_DURATION_RANGE[0] <= span * size <= LOG_DURATION_RANGE[1]
+        )
 
     if column.unit is not None:
         why = "" if fits(column.unit) else f"rows would come every {step * UNITS['time'][column.unit]:.3g} s"
-        return Said(column.unit, not why, why)
+        return ProposedValue(column.unit, not why, why)
     likely = [unit for unit in ("s", "ms", "us", "ns") if fits(unit)]
     if len(likely) == 1 and not np.allclose(steps, 1.0):
-        return Said(likely[0], True, f"as rows every {step * UNITS['time'][likely[0]]:.3g} s")
+        return ProposedValue(likely[0], True, f"as rows every {step * UNITS['time'][likely[0]]:.3g} s")
     why = "no unit is in its name" + ("; are these seconds, or numbers of rows?" if np.allclose(steps, 1.0) else "")
-    return Said(likely[0] if likely else "s", False, why)
+    return ProposedValue(likely[0] if likely else "s", False, why)
 
 
 class MotionUnits:
@@ -76,9 +79,9 @@ class MotionUnits:
 
     def __init__(self, file: FileColumns, time: Column | None) -> None:
         self.file, self.notes = file, list[str]()
-        self.offset = Said(0.0)
+        self.offset = ProposedValue(0.0)
         self.time_column = time
-        self.time_unit = Said(None, False) if time is None else time_unit(time)
+        self.time_unit = ProposedValue(None, False) if time is None else time_unit(time)
         self.time = np.arange(len(file.table.lines)) / 100.0 if time is None else self._seconds()
         roles = {role: first_of(file.of_role(role)) for role in ("x", "y", "theta", "vx", "vy", "omega")}
         if roles["x"][0] is None and not file.arms:
@@ -106,28 +109,28 @@ class MotionUnits:
             return None
         return motion_of(self.time, x, np.zeros_like(x) if y is None else y)
 
-    def _length(self, role: str) -> Said:
+    def _length(self, role: str) -> ProposedValue:
         column = self.columns[role]
         if column is None:
-            return Said(None)
+            return ProposedValue(None)
         if column.odd:
-            return Said(None, False, f"its label says {column.odd}")
+            return ProposedValue(None, False, f"its label says {column.odd}")
         if column.unit is None and _wraps(column.said, 360.0):
-            return Said(None, False, "it wraps at 360: a wheel's angle? then {column, unit: deg, radius: m}")
+            return ProposedValue(None, False, "it wraps at 360: a wheel's angle? then {column, unit: deg, radius: m}")
         motion = self._raw_motion()
         top = 0.0 if motion is None else motion.top_speed
         if column.unit is not None:
             speed = top * UNITS["length"][column.unit]
-            is_odd = top > 0 and not speed < SPEEDS[1]
-            return Said(column.unit, not is_odd, f"the cart would go {speed:.3g} m/s" if is_odd else "")
+            is_odd = top > 0 and not speed < CART_SPEED_RANGE[1]
+            return ProposedValue(column.unit, not is_odd, f"the cart would go {speed:.3g} m/s" if is_odd else "")
         other = self.columns["y" if role == "x" else "x"]
         if other is not None and other.unit is not None:
-            return Said(other.unit, False, f"as {other.title}")
+            return ProposedValue(other.unit, False, f"as {other.title}")
         if motion is not None and (found := self._length_by_speed(motion)) is not None:
             return found
         return _length_by_size(top)
 
-    def _length_by_speed(self, motion: Motion) -> Said | None:
+    def _length_by_speed(self, motion: Motion) -> ProposedValue | None:
         """The unit of length with which differences of positions are as large as labelled velocities, along either
         frame; None where they don't tell."""
         vx, vy = self.columns["vx"], self.columns["vy"]
@@ -139,7 +142,7 @@ class MotionUnits:
         unit = near(factor, "length")
         if unit is None or agreement < 0.97:
             return None
-        return Said(unit, True, f"as {vx.title} says how fast it goes")
+        return ProposedValue(unit, True, f"as {vx.title} says how fast it goes")
 
     def _motion(self) -> Motion | None:
         x, y = self.raw("x"), self.raw("y")
@@ -161,36 +164,40 @@ class MotionUnits:
         if best is None and isinstance(column.ref, list):
             return Entry(said, unit)
         if best is None:
-            return Entry(said, unit, Said(1, False, "the way doesn't tell whether headings grow to the left"))
-        if abs(best.offset) > STRAIGHT:
+            return Entry(said, unit, ProposedValue(1, False, "the way doesn't tell whether headings grow to the left"))
+        if abs(best.offset) > MAX_TRACKER_YAW:
             why = "the cart goes so far left of its heading: from which axis is it counted? or are x and y swapped?"
-            self.offset = Said(best.offset, False, why)
+            self.offset = ProposedValue(best.offset, False, why)
         if best.sign < 0:
             why = "headings fall where the way turns left: are they clockwise? or is y to the right?"
             if isinstance(column.ref, list):
-                return Entry(Said(column.ref, False, why))
-            return Entry(said, unit, Said(-1, False, why))
+                return Entry(ProposedValue(column.ref, False, why))
+            return Entry(said, unit, ProposedValue(-1, False, why))
         return Entry(said, unit)
 
-    def _angle_unit(self, column: Column, told: str | None) -> Said:
+    def _angle_unit(self, column: Column, told: str | None) -> ProposedValue:
         """`told` is the unit with which headings go where the cart goes."""
         if column.odd:
-            return Said(None, False, f"its label says {column.odd}")
+            return ProposedValue(None, False, f"its label says {column.odd}")
         if column.unit is not None:
             is_odd = told is not None and column.unit in ("deg", "rad") and told != column.unit
-            return Said(column.unit, not is_odd, f"but in {told} it goes where the cart goes" if is_odd else "")
+            return ProposedValue(
+                column.unit, not is_odd, f"but in {told} it goes where the cart goes" if is_odd else ""
+            )
         if told is not None:
-            return Said(told, True, "as the way turns")
+            return ProposedValue(told, True, "as the way turns")
         if _wraps(column.said, 360.0):
-            return Said("deg", True, "it wraps at 360")
+            return ProposedValue("deg", True, "it wraps at 360")
         if _wraps(column.said, 2 * np.pi):
-            return Said("rad", True, "it wraps at 2 pi")
+            return ProposedValue("rad", True, "it wraps at 2 pi")
         if (by_rate := self._angle_by_rate(column)) is not None:
             return by_rate
         largest = float(np.nanmax(np.abs(column.said)))
-        return Said("deg" if largest > 7 else "rad", False, f"no unit is in its name; it goes up to {largest:.3g}")
+        return ProposedValue(
+            "deg" if largest > 7 else "rad", False, f"no unit is in its name; it goes up to {largest:.3g}"
+        )
 
-    def _angle_by_rate(self, column: Column) -> Said | None:
+    def _angle_by_rate(self, column: Column) -> ProposedValue | None:
         omega = self.columns["omega"]
         if omega is None or omega.unit is None or self.motion is None or not self.time_unit.is_sure:
             return None
@@ -199,7 +206,7 @@ class MotionUnits:
             rate = np.gradient(self.motion.smoothed(self.time, unwrapped(column.said, period)), self.motion.time)
             factor, agreement = scale(recorded, rate)
             if abs(agreement) > 0.9 and near(abs(factor), "angle") == unit:
-                return Said(unit, True, f"as {omega.title} says how fast it turns")
+                return ProposedValue(unit, True, f"as {omega.title} says how fast it turns")
         return None
 
     def heading_rad(self) -> Array | None:
@@ -212,24 +219,26 @@ class MotionUnits:
         offset = self.offset.value if isinstance(self.offset.value, float) else 0.0
         return np.asarray(sign * size * unwrapped(column.said, 2 * np.pi / size) + offset)
 
-    def _velocity(self) -> tuple[Said, dict[str, Entry]]:
+    def _velocity(self) -> tuple[ProposedValue, dict[str, Entry]]:
         """Along which axes, and its columns: none where one of the three is missing."""
         vx, vy, omega = (self.columns[role] for role in ("vx", "vy", "omega"))
         if vx is None or omega is None or self.motion is None:
             if vx is not None or vy is not None:
                 self.notes.append("velocities are left out: vx, vy and the yaw rate come together or not at all")
-            return Said(None), {}
+            return ProposedValue(None), {}
         heading = self.heading_rad()
         lateral = np.zeros_like(vx.said) if vy is None else vy.said
         sizes = [UNITS["speed"][c.unit or vx.unit or "m/s"] if c is not None else 1.0 for c in (vx, vy)]
         seen = velocities(self.motion, self.time, sizes[0] * vx.said, sizes[1] * lateral, heading)
         if seen is None or seen.agreement < 0.8:
             self.notes.append("velocities are left out: they are no differences of the positions")
-            return Said(None), {}
-        frame = Said(seen.frame, seen.is_clear, "" if seen.is_clear else "a way this straight doesn't tell them apart")
+            return ProposedValue(None), {}
+        frame = ProposedValue(
+            seen.frame, seen.is_clear, "" if seen.is_clear else "a way this straight doesn't tell them apart"
+        )
         entries = {"vx": self._speed(vx, seen.factors[0], vx)}
         entries["vy"] = (
-            Entry(None, constant=Said(0.0, False, "no column has it; wheels on an axle forbid it"))
+            Entry(None, constant=ProposedValue(0.0, False, "no column has it; wheels on an axle forbid it"))
             if vy is None
             else self._speed(vy, seen.factors[1], vx)
         )
@@ -240,39 +249,43 @@ class MotionUnits:
         """The entry of a velocity column, with its sign and unit by how much it is larger than differences of
         positions."""
         label, ref = column.unit or first.unit, one_of_several(column, self.is_only[column.role])
-        sign = Said(1) if factor > 0 else Said(-1, False, "it falls where the cart goes the other way")
+        sign = (
+            ProposedValue(1) if factor > 0 else ProposedValue(-1, False, "it falls where the cart goes the other way")
+        )
         size = abs(factor)
         is_sure = self.time_unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
         if label is not None:
             fits = abs(size - 1) < 0.25
             why = "" if fits else f"it is {size:.3g} times what differences of positions are"
-            return Entry(ref, Said(label, fits, why), sign)
+            return Entry(ref, ProposedValue(label, fits, why), sign)
         unit = near(1 / size, "speed")
         if unit is None:
-            return Entry(ref, Said("m/s", False, "no unit is in its name"), sign)
+            return Entry(ref, ProposedValue("m/s", False, "no unit is in its name"), sign)
         why = "as differences of positions" if is_sure else "as positions, of which a unit or the clock is not sure"
-        return Entry(ref, Said(unit, is_sure, why), sign)
+        return Entry(ref, ProposedValue(unit, is_sure, why), sign)
 
     def _rate(self, column: Column) -> Entry:
         """The entry of a yaw rate column, with its sign and unit against differences of headings."""
         heading = self.heading_rad()
         label, ref = column.unit, one_of_several(column, self.is_only["omega"])
         if heading is None or self.motion is None:
-            return Entry(ref, Said(label or "rad/s", label is not None, "no unit is in its name"))
+            return Entry(ref, ProposedValue(label or "rad/s", label is not None, "no unit is in its name"))
         truth = np.gradient(self.motion.smoothed(self.time, heading), self.motion.time)
         size = UNITS["rate"][label or "rad/s"]
         factor, agreement = scale(size * self.motion.on(self.time, column.said), truth)
         is_seen = abs(agreement) > 0.8
-        sign = Said(-1, False, "it falls where the heading grows") if is_seen and factor < 0 else Said(1)
+        sign = (
+            ProposedValue(-1, False, "it falls where the heading grows") if is_seen and factor < 0 else ProposedValue(1)
+        )
         if label is not None:
             fits = not is_seen or abs(abs(factor) - 1) < 0.25
             why = "" if fits else f"it is {abs(factor):.3g} times what differences of headings are"
-            return Entry(ref, Said(label, fits, why), sign)
+            return Entry(ref, ProposedValue(label, fits, why), sign)
         unit = near(1 / abs(factor), "rate") if is_seen else None
         if unit is None:
-            return Entry(ref, Said("rad/s", False, "no unit is in its name"), sign)
+            return Entry(ref, ProposedValue("rad/s", False, "no unit is in its name"), sign)
         is_sure = self.time_unit.is_sure and self.heading.unit.is_sure
-        return Entry(ref, Said(unit, is_sure, "as differences of headings"), sign)
+        return Entry(ref, ProposedValue(unit, is_sure, "as differences of headings"), sign)
 
 
 def _wraps(column: Array, period: float) -> bool:
@@ -282,7 +295,9 @@ def _wraps(column: Array, period: float) -> bool:
     return 0.85 * period < jump < 1.002 * period and float(np.ptp(there)) < 1.002 * period
 
 
-def _length_by_size(top: float) -> Said:
+def _length_by_size(top: float) -> ProposedValue:
     """A guess, by how fast a cart is pushed; `top` is the 95th percentile of its speed, a second."""
-    unit = "m" if top < LIKELY else "cm" if top < 25 else "mm"
-    return Said(unit, False, f"no unit is in its name; the cart would go {top * UNITS['length'][unit]:.3g} m/s")
+    unit = "m" if top < MAX_LIKELY_SPEED else "cm" if top < 25 else "mm"
+    return ProposedValue(
+        unit, False, f"no unit is in its name; the cart would go {top * UNITS['length'][unit]:.3g} m/s"
+    )

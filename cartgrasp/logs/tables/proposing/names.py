@@ -31,18 +31,18 @@ VOCABULARY: Mapping[str, frozenset[str]] = {
         "field header twist ros since start",
     }.items()
 }
-RATE_OF = frozenset(("rate", "dot", "vel", "velocity", "speed"))
-DOTS = frozenset(("xdot", "ydot", "dx", "dy"))
-AXES = {
+RATE_WORDS = frozenset(("rate", "dot", "vel", "velocity", "speed"))
+DERIVATIVE_NAMES = frozenset(("xdot", "ydot", "dx", "dy"))
+AXIS_WORDS = {
     **dict.fromkeys(["fwd", "forward", "forwards", "long", "longitudinal", "ahead", "vorwaerts", "laengs"], "x"),
     **dict.fromkeys(["lat", "lateral", "side", "sideways", "across", "quer", "seitlich"], "y"),
     **dict.fromkeys(["vert", "vertical", "up"], "z"),
 }
 """Words for directions of forces."""
-BY_UNIT = {"force": "f", "moment": "t"}
+LETTER_BY_DIMENSION = {"force": "f", "moment": "t"}
 """What an axis alone is in such a unit."""
-IMPLIED = {"millis": "ms", "seconds": "s", "secs": "s", "sec": "s"}
-BRACKETS = r"[\[({<]([^\])}>]*)[\])}>]"
+IMPLIED_TIME_UNITS = {"millis": "ms", "seconds": "s", "secs": "s", "sec": "s"}
+BRACKET_PATTERN = r"[\[({<]([^\])}>]*)[\])}>]"
 
 
 @dataclass(frozen=True)
@@ -58,7 +58,7 @@ class Meaning:
 
 def meaning_of(name: str, unit: str = "") -> Meaning | None:
     """The meaning of a column by its name, and by the unit that stands below it, if any."""
-    rest, inside = re.sub(BRACKETS, " ", name), re.findall(BRACKETS, name)
+    rest, inside = re.sub(BRACKET_PATTERN, " ", name), re.findall(BRACKET_PATTERN, name)
     labels = [word for word in (*inside, unit) if word.strip() and _is_unit(word)]
     odd = [word for word in (*re.findall(r"\[([^\]]*)\]", name), unit) if _is_odd(word)]
     words = _words(" ".join([rest, *(word for word in inside if not _is_unit(word) and word not in odd)]))
@@ -73,18 +73,18 @@ def meaning_of(name: str, unit: str = "") -> Meaning | None:
     if found is None:
         alone = unit_of(words[0], "time") if len(words) == 1 and words[0] not in ("s", "m") else None
         return Meaning("t", alone) if alone else None
-    return Meaning(found.role, IMPLIED.get(words[-1]) if found.role == "t" else None, found.group)
+    return Meaning(found.role, IMPLIED_TIME_UNITS.get(words[-1]) if found.role == "t" else None, found.group)
 
 
 def _labelled(words: Sequence[str], label: str) -> Meaning | None:
     """The meaning of words with a unit: it says whether an axis alone is a force, and whether a yaw is a moment."""
     if unit_of(label, "force"):
-        words = [AXES.get(word, word) for word in words]
+        words = [AXIS_WORDS.get(word, word) for word in words]
     found = _role(words)
     if found is not None and found.role in DIMENSIONS and (known := unit_of(label, DIMENSIONS[found.role])):
         return Meaning(found.role, known, found.group)
     axis = next((word for word in words if word in ("x", "y", "z")), "z" if found and found.role == "theta" else "")
-    for dimension, letter in BY_UNIT.items():
+    for dimension, letter in LETTER_BY_DIMENSION.items():
         known = unit_of(label, dimension)
         if known and axis and (found is None or found.role in ("x", "y", "theta")) and label.lower() != "m":
             kinds = VOCABULARY["heading"] | VOCABULARY["filler"] | VOCABULARY["moment"] | VOCABULARY["force"]
@@ -124,7 +124,7 @@ def _words(text: str) -> list[str]:
 def _role(words: Sequence[str]) -> Meaning | None:
     """The quantity that the words name, and what tells it from others of its kind."""
     is_force = bool(VOCABULARY["force"] & set(words))
-    left = [AXES.get(word, word) if is_force else word for word in words if not word.isdigit()]
+    left = [AXIS_WORDS.get(word, word) if is_force else word for word in words if not word.isdigit()]
     if not left or VOCABULARY["others"] & set(left) or (reading := _reading(left)) is None:
         return None
     role, used = reading
@@ -149,15 +149,15 @@ def _reading(words: Sequence[str]) -> tuple[str, set[str]] | None:
     component = axis or ("w" if "w" in own else "")
     if component and own & v["quaternion"]:
         return f"q{component}", own & (v["quaternion"] | {component})
-    is_turning = bool(own & v["rate"]) or bool(own & v["heading"] and own & RATE_OF)
+    is_turning = bool(own & v["rate"]) or bool(own & v["heading"] and own & RATE_WORDS)
     is_turning |= "angular" in own and bool(own & (v["speed"] | {"twist"}))
     if is_turning and axis in ("", "z"):
-        return "omega", own & (v["rate"] | v["heading"] | RATE_OF | v["speed"] | {"angular", "z"})
+        return "omega", own & (v["rate"] | v["heading"] | RATE_WORDS | v["speed"] | {"angular", "z"})
     if "twist" in own and "linear" in own:
         return (f"v{axis}", {axis}) if axis in ("x", "y") else None
-    if own & DOTS or (axis in ("x", "y") and "dot" in own):
-        axis = axis or next(iter(own & DOTS)).strip("dot")
-        return f"v{axis}", own & (DOTS | {"dot", axis})
+    if own & DERIVATIVE_NAMES or (axis in ("x", "y") and "dot" in own):
+        axis = axis or next(iter(own & DERIVATIVE_NAMES)).strip("dot")
+        return f"v{axis}", own & (DERIVATIVE_NAMES | {"dot", axis})
     for i, kind in enumerate(words):
         follows = axis in words[i + 1 :]
         if axis and (follows or len(kind) > 1) and (role := _of_kind(kind, axis, own)):

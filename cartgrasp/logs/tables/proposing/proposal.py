@@ -16,9 +16,9 @@ from .columns import FileColumns
 from .forces import Arm, arms_of, component_entry, judged, time_of
 from .layout import Layout
 from .motion_units import Entry, MotionUnits, one_of_several, time_unit
-from .said import Said, word
+from .said import ProposedValue, word
 
-HEAD = f"""\
+MAP_HEADER = f"""\
 # How {{name}} is read ({PAGE}). A value that ends with ? is a guess: take the ? away if it is right, else put what is
 # right there; fill in what is blank. Until then no command reads the table.
 """
@@ -41,7 +41,7 @@ class _Writer:
         said = "; ".join(dict.fromkeys(printable(why) for why in whys if why))
         self.lines.append(f"{text.rstrip():<44}  # {said}" if said else text.rstrip())
 
-    def value(self, indent: str, key: str, said: Said) -> None:
+    def value(self, indent: str, key: str, said: ProposedValue) -> None:
         self.add(f"{indent}{key}: {said}", said.why or ("fill in" if said.value is None else ""))
 
     def entry(self, indent: str, key: str, entry: Entry, blank: str = "") -> None:
@@ -68,7 +68,7 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     heading = units.heading_rad() if units.heading.column else _ahead(units)
     sensors = [replace(arm, length=str(units.lengths["x"].value or "m")) for arm in arms_of(files)]
     arms = judged(sensors, units.motion, units.time, heading)
-    writer = _Writer([HEAD.format(name=printable(path.name)).rstrip()])
+    writer = _Writer([MAP_HEADER.format(name=printable(path.name)).rstrip()])
     _layout(writer, "", main.layout)
     _time(writer, "", main)
     writer.add(f"clock: {_clock(units, arms)}", "whose times are the log's: the slowest; or a rate in Hz")
@@ -129,7 +129,7 @@ def _time(writer: _Writer, indent: str, file: FileColumns) -> None:
         writer.add(f"{indent}time: {{rate: }}", f"Hz: {why}; or {{column: NAME, unit: s}}")
         return
     unit = time_unit(column)
-    said = Said(column.ref, len(file.of_role("t")) == 1 or column.unit is not None)
+    said = ProposedValue(column.ref, len(file.of_role("t")) == 1 or column.unit is not None)
     writer.add(f"{indent}time: {{column: {said}, unit: {unit}}}", unit.why)
 
 
@@ -151,7 +151,7 @@ def _gap(units: MotionUnits, arms: Sequence[Arm]) -> float:
 def _file(writer: _Writer, indent: str, file: FileColumns, main: FileColumns) -> None:
     """Writes the lines of a sensor with a file of its own."""
     is_sure = is_akin(file.path, main.path)
-    said = Said(file.path.name, is_sure, "" if is_sure else "in the same folder; is it of the same run?")
+    said = ProposedValue(file.path.name, is_sure, "" if is_sure else "in the same folder; is it of the same run?")
     writer.value(indent, "file", said)
     _layout(writer, indent, file.layout)
     _time(writer, indent, file)
@@ -168,15 +168,19 @@ def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
             writer.entry("  ", role, Entry(one_of_several(column, units.is_only[role]), units.lengths[role]))
         elif role == "y" and is_line:
             writer.entry(
-                "  ", role, Entry(None, constant=Said(0.0, False, "no column holds it: does it roll on a line?"))
+                "  ",
+                role,
+                Entry(None, constant=ProposedValue(0.0, False, "no column holds it: does it roll on a line?")),
             )
         else:
             writer.entry("  ", role, Entry(None), "no column is known to hold it: {column: NAME, unit: m}")
     if units.columns["theta"] is None and is_line:
-        writer.entry("  ", "theta", Entry(None, constant=Said(0.0, False, "no column holds it: does it never turn?")))
+        writer.entry(
+            "  ", "theta", Entry(None, constant=ProposedValue(0.0, False, "no column holds it: does it never turn?"))
+        )
     else:
         writer.entry("  ", "theta", units.heading, "no column is known to hold it: {column: NAME, unit: rad}")
-    body = f"[0.0, 0.0, {Said(round(float(units.offset.value), 4), units.offset.is_sure)}]"
+    body = f"[0.0, 0.0, {ProposedValue(round(float(units.offset.value), 4), units.offset.is_sure)}]"
     writer.add(
         f"  body: {body}",
         "pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad",

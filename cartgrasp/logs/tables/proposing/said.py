@@ -8,7 +8,7 @@ from typing import Any
 
 
 @dataclass(frozen=True)
-class Said:
+class ProposedValue:
     """`value` is None where only the user can know it; one that is not sure gets a question mark."""
 
     value: Any
@@ -23,7 +23,7 @@ class Said:
         if isinstance(self.value, str):
             return word(self.value + mark)
         if isinstance(self.value, list):
-            return f"[{', '.join(str(Said(one, self.is_sure)) for one in self.value)}]"
+            return f"[{', '.join(str(ProposedValue(one, self.is_sure)) for one in self.value)}]"
         return f"{self.value}{mark}"
 
     @property
