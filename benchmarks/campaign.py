@@ -19,7 +19,7 @@ from cartgrasp.studies.campaigns.results import Results
 from cartgrasp.studies.campaigns.workers import over_cores
 from cartgrasp.studies.compiled_loop.loop import compiled_run, covers
 from cartgrasp.studies.scenario import Scenario
-from cartgrasp.studies.shopping_cart import FIRM
+from cartgrasp.studies.shopping_cart import FIRM_GAINS
 from cartgrasp.studies.table1 import trajectory
 from estimation import FilterNoise
 
@@ -68,7 +68,7 @@ def study(runs: int, seed: int) -> ClosedLoopStudy:
         stretches=trajectory(2),
         sensors=SensorNoise(),
         noise=FilterNoise(),
-        gains=FIRM,
+        gains=FIRM_GAINS,
         plant_timestep=0.01,
         duration=30.0,
     )

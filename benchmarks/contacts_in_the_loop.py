@@ -30,7 +30,7 @@ from cartgrasp.simulation.record import RunRecord
 from cartgrasp.simulation.sensors import SensorNoise
 from cartgrasp.studies.run_figures import RunFigures
 from cartgrasp.studies.scenario import MUJOCO_PLANT, Scenario, with_truth
-from cartgrasp.studies.shopping_cart import FIRM
+from cartgrasp.studies.shopping_cart import FIRM_GAINS
 from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import FilterNoise
 from planning import Choosing, RegraspTimes
@@ -111,7 +111,7 @@ def scenario(path: str, way: Way, floor: Floor, seed: int) -> Scenario:
         contacts=way.contacts,
         choosing=Choosing(3.0, asked=ASKED[path], extra_effort=way.extra_effort, noise=WrenchNoise(FORCE, MOMENT)),
         regrasp=RegraspTimes(speed=0.8),
-        gains=FIRM,
+        gains=FIRM_GAINS,
         seed=seed,
     )
 

@@ -32,7 +32,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.studies import shopping_cart
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, PATHS, SENSORS, Drive, Job, drive_cart, filter_noise, guess
+from cartgrasp.studies.estimators import HANDS, PATHS, SENSOR_SETS, Drive, Job, drive_cart, filter_noise, guess
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
@@ -166,7 +166,7 @@ def suspicions(estimate: Estimate) -> tuple[Any, ...]:
 def told(run: Drawn, fault: Fault | None) -> Told:
     log = fault.change(run.log) if fault else run.log
     kinds = fault.kinds if fault else frozenset()
-    filtered = CartFilter(run.believed, list(HANDS), noise=filter_noise(SENSORS["usual"]))
+    filtered = CartFilter(run.believed, list(HANDS), noise=filter_noise(SENSOR_SETS["usual"]))
     with np.errstate(all="ignore"):  # numbers may be beyond reason
         found = [filtered.update(measurement) for measurement in log.measurements()]
     begun, times = _begins(run.log), run.log.time  # whatever the fault's stamps say

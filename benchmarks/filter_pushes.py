@@ -21,7 +21,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.outside import Push
-from cartgrasp.studies.estimators import HANDS, PATHS, PERIOD, SENSORS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, PATHS, SENSOR_SETS, Job, drive_cart, filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.whole_log.replay import replay
@@ -69,7 +69,7 @@ def drive(seed: int, kind: str) -> Run:
     guess = _cart(share * mass, (0.3, 0.0), believed, None)
     job = Job(list(PATHS)[seed % len(PATHS)], ("quiet", "usual", "usual")[seed % 3], seed)
     log = drive_cart(truth, job, LASTING, outside).log
-    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS[job.sensors]))).estimates
+    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSOR_SETS[job.sensors]))).estimates
     after = [(one.parameters["mass"], one.health == "ok") for one in told if one.time > at]
     true = mass + (load if kind == LOAD else 0.0)
     wrong = [
@@ -79,7 +79,7 @@ def drive(seed: int, kind: str) -> Run:
     last, is_ok = after[-1]
     off = last.value - true
     unsound = sum(not ok for _, ok in after)
-    return Run(PERIOD * sum(wrong), PERIOD * unsound, off / true, off / last.std, is_ok)
+    return Run(CONTROL_PERIOD * sum(wrong), CONTROL_PERIOD * unsound, off / true, off / last.std, is_ok)
 
 
 def _cart(mass: float, com: tuple[float, float], drags: np.ndarray, load: PayloadChange | None) -> CartModel:

@@ -13,7 +13,7 @@ from cartgrasp.effects import Effect, RollingResistance, ViscousDrag
 from cartgrasp.roles import Estimator
 from cartgrasp.simulation.plant import ModelPlant
 from cartgrasp.simulation.sensors import Sensors
-from cartgrasp.studies.shopping_cart import NOISE, SENSORS, first_guess, loaded_cart
+from cartgrasp.studies.shopping_cart import FILTER_NOISE, SENSOR_NOISE, first_guess, loaded_cart
 from estimation import CartFilter, PaperFilter
 
 from .measuring import Competitor, interleave
@@ -41,11 +41,11 @@ def run(rounds: int) -> Result:
         "CartFilter, and caster_realignment": first_guess(),
         "CartFilter, viscous_drag alone": _with_only(first_guess(), ViscousDrag),
     }
-    makers = {name: partial(CartFilter, cart, noise=NOISE) for name, cart in carts.items()}
+    makers = {name: partial(CartFilter, cart, noise=FILTER_NOISE) for name, cart in carts.items()}
     states = {name: _size(make()) for name, make in makers.items()}
     competitors = {name: _stepping(make, log) for name, make in makers.items()}
     competitors["PaperFilter"] = _stepping(
-        lambda: PaperFilter(_with_only(first_guess(), ViscousDrag), noise=NOISE), log
+        lambda: PaperFilter(_with_only(first_guess(), ViscousDrag), noise=FILTER_NOISE), log
     )
     states["PaperFilter"] = 10
     if find_spec("filterpy") is not None:
@@ -82,7 +82,7 @@ def _with_only(cart: CartModel, *kinds: type[Effect]) -> CartModel:
 
 def _log() -> list[Measurement]:
     cart = loaded_cart()
-    plant, sensors, log = ModelPlant(cart), Sensors(cart, SENSORS), []
+    plant, sensors, log = ModelPlant(cart), Sensors(cart, SENSOR_NOISE), []
     for k in range(LENGTH):
         time = k * PERIOD
         push = 25.0 if time % 3.0 < 1.5 else -2.0

@@ -6,14 +6,14 @@ import logging
 from collections.abc import Callable, Iterator
 from contextlib import contextmanager
 
-Tell = Callable[[str], None]
+KernelListener = Callable[[str], None]
 ADVICE = (
     "compiling kernels, once on this machine, which takes a minute or two; `cartgrasp warm-up` does it ahead, as does "
     "warm_up() of planners and filters"
 )
 
 
-class Advice:
+class CompileWarning:
     """Where nobody else tells: a warning in the log, once a process."""
 
     def __init__(self) -> None:
@@ -25,7 +25,7 @@ class Advice:
             logging.getLogger("cartgrasp").warning(ADVICE)
 
 
-_listeners: list[Tell] = [Advice()]
+_listeners: list[KernelListener] = [CompileWarning()]
 
 
 def compiling(kernel: str) -> None:
@@ -34,7 +34,7 @@ def compiling(kernel: str) -> None:
 
 
 @contextmanager
-def telling(tell: Tell) -> Iterator[None]:
+def kernel_listener(tell: KernelListener) -> Iterator[None]:
     """Within it, each kernel that is compiled is told by name."""
     _listeners.append(tell)
     try:

@@ -18,10 +18,10 @@ from pathlib import Path
 
 from .errors import FileError, Place
 
-Aside = tuple[int, Path]
+PartFile = tuple[int, Path]
 """An open, locked file or folder, and its name."""
 
-_waiting: ContextVar[list[tuple[Aside, Path]] | None] = ContextVar("_waiting", default=None)
+_waiting: ContextVar[list[tuple[PartFile, Path]] | None] = ContextVar("_waiting", default=None)
 """What `together` will rename, and to what."""
 
 
@@ -52,7 +52,7 @@ def write_atomically(path: str | os.PathLike[str], content: str | bytes) -> Path
 @contextmanager
 def together() -> Iterator[None]:
     """What is written within gets its names at the end, at one go, and none if it fails; each name once."""
-    waiting: list[tuple[Aside, Path]] = []
+    waiting: list[tuple[PartFile, Path]] = []
     token = _waiting.set(waiting)
     try:
         yield
@@ -101,7 +101,7 @@ def _said(path: Path) -> Iterator[None]:
         raise FileError(Place(str(path)), "", why) from error
 
 
-def _opened(path: Path, flags: int) -> Aside:
+def _opened(path: Path, flags: int) -> PartFile:
     """What grows aside of `path`: ours alone, once no other process writes it, and no other file by then."""
     aside = path.with_name(f".{path.name}.part")
     while True:

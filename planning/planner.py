@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import MAX_FLOAT, brief, check_kind, listed, number, positive
-from cartgrasp.collector import freeze_what_lives
+from cartgrasp.collector import freeze_live_objects
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
 from cartgrasp.shallow_copy import shallow_copy
@@ -161,7 +161,7 @@ class WrenchPlanner:
         at_first = dict(zip(now.terms.base.names, now.terms.first, strict=True))
         now.warm_up(lambda: [self.plan((1.0, 0.0, 0.1), contacts) for contacts in (None, None, at_first)])
         solve_with_clarabel(now.program.at(now.terms.first, np.zeros(len(self._to_effective)), now.cost))
-        freeze_what_lives()
+        freeze_live_objects()
 
     def plan(
         self,

@@ -13,10 +13,10 @@ from typer.exceptions import TyperException
 
 from planning.contact_sources.strategies import Strategy
 
-from ..compile_notice import telling
+from ..compile_notice import kernel_listener
 from ..errors import CartgraspError, DataError, PlantError, printable
 from .options import Accept, Coasting, Course, Json, Method, Plant, Salvage, Seed, Topics
-from .output import KernelsTold
+from .output import KernelProgressLines
 from .study_commands import study
 
 app = typer.Typer(
@@ -273,7 +273,7 @@ def warm_up(json: Json = False) -> None:
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:
-        with telling(KernelsTold()):
+        with kernel_listener(KernelProgressLines()):
             status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
         return int(status or 0)
     except typer.Exit as done:

@@ -12,11 +12,11 @@ from ..cart_file import load_cart
 from ..errors import UsageError, printable
 from ..logs import RunLog, read_log
 from .output import check_writable, print_json, print_table, say
-from .sensors import check_accepted, in_short, looked_at, refuse
+from .sensors import check_accepted, log_summary, looked_at, refuse_suspicions
 
-UNITS = {"pose": ("m", "rad"), "velocity": ("m/s", "rad/s")}
-OF_ARMS = "N", "N·m"
-PICTURES = ".png", ".svg", ".pdf"
+COLUMN_UNITS = {"pose": ("m", "rad"), "velocity": ("m/s", "rad/s")}
+WRENCH_UNITS = "N", "N·m"
+PICTURE_SUFFIXES = ".png", ".svg", ".pdf"
 
 
 def run(
@@ -31,8 +31,8 @@ def run(
     check_accepted(accepted)
     cart = None if cart_path is None else load_cart(cart_path)
     if out is not None:
-        if out.suffix.lower() not in PICTURES:
-            raise UsageError(f"--out {out}: name a picture, {', '.join(PICTURES)}")
+        if out.suffix.lower() not in PICTURE_SUFFIXES:
+            raise UsageError(f"--out {out}: name a picture, {', '.join(PICTURE_SUFFIXES)}")
         check_writable(out, path, cart_path, topics)
     log = read_log(path, topics)
     look = looked_at(log, cart)
@@ -42,7 +42,7 @@ def run(
         print_json(look.as_dict())
     else:
         _print(look)
-    refuse(log, look.suspicions, accepted)
+    refuse_suspicions(log, look.suspicions, accepted)
     return 0
 
 
@@ -55,7 +55,7 @@ def _draw(log: RunLog, look: Look, out: Path) -> None:
 
 
 def _print(look: Look) -> None:
-    say(in_short(look))
+    say(log_summary(look))
     rows = [
         [
             printable(one.where),
@@ -81,7 +81,9 @@ def _print(look: Look) -> None:
 def _sized(where: str, values: tuple[float | None, float | None], is_small: bool = False) -> str:
     """With units; small ones of motion in thousandths."""
     units, scale, milli = (
-        (UNITS[where], 1e3, "m") if is_small and where in UNITS else (UNITS.get(where, OF_ARMS), 1, "")
+        (COLUMN_UNITS[where], 1e3, "m")
+        if is_small and where in COLUMN_UNITS
+        else (COLUMN_UNITS.get(where, WRENCH_UNITS), 1, "")
     )
     pairs = zip(values, units, strict=True)
     return ", ".join(f"{scale * value:.2g} {milli}{unit}" for value, unit in pairs if value is not None)

@@ -14,7 +14,7 @@ from ..strict_json import finite
 from ..writing import write_atomically
 from .output import check_writable, print_json, say
 
-MOST_SAID = 20
+MAX_LOSSES_SHOWN = 20
 
 
 @dataclass(frozen=True)
@@ -40,10 +40,10 @@ def run(choice: Choice, as_json: bool) -> int:
         for step in log.notes.values():
             print(printable(step))
         print(f"{choice.out}: {len(log)} rows over {log.duration:.2f} s, {_arms(log)}")
-    for what in lost[:MOST_SAID]:
+    for what in lost[:MAX_LOSSES_SHOWN]:
         say(printable(f"lost: {what}"))
-    if len(lost) > MOST_SAID:
-        say(f"lost: and {len(lost) - MOST_SAID} more; all are in {beside}")
+    if len(lost) > MAX_LOSSES_SHOWN:
+        say(f"lost: and {len(lost) - MAX_LOSSES_SHOWN} more; all are in {beside}")
     return 0
 
 

@@ -12,9 +12,9 @@ from .estimate import tell_given
 from .inputs_file import Sources
 from .log_inputs import cart_and_logs
 from .output import check_writable, print_json, print_table, say, stages
-from .sensors import check_accepted, first_looks
+from .sensors import check_accepted, check_logs
 
-MOST_TOLD, MOST_WHERE = 5, 2
+MAX_IMPACTS_SHOWN, MAX_PLACES_SHOWN = 5, 2
 
 
 @dataclass(frozen=True)
@@ -40,7 +40,7 @@ def run(
         check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
     check_accepted(sources.accepted)
     cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting)
-    first_looks(logs, cart, sources.accepted, is_told=not as_json)
+    check_logs(logs, cart, sources.accepted, is_told=not as_json)
     inputs = sources.summed(out) if out is not None else None
     tell_given(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
@@ -70,10 +70,10 @@ def _write_next(found: Diagnosis, path: Path, out: Path | None) -> None:
 
 def _print(found: Diagnosis, is_written: bool) -> None:
     print(found.sentence)
-    for one in found.where[:MOST_WHERE]:
+    for one in found.where[:MAX_PLACES_SHOWN]:
         print(f"  {one.sentence}")
-    if len(found.where) > MOST_WHERE:
-        more = len(found.where) - MOST_WHERE
+    if len(found.where) > MAX_PLACES_SHOWN:
+        more = len(found.where) - MAX_PLACES_SHOWN
         print(f"  and {more} more condition{'s' * (more > 1)}, told with --json and on the page of --out")
     for follows in found.unexplained["depends_on"]:
         print(f"  what is left may follow {follows}")
@@ -114,7 +114,7 @@ def _print(found: Diagnosis, is_written: bool) -> None:
             )
     for hint in found.unlisted_wheels:
         print(f"note: {hint}")
-    for experiment in found.next_experiment.words[:MOST_WHERE]:
+    for experiment in found.next_experiment.words[:MAX_PLACES_SHOWN]:
         print(f"next: {experiment}")
     if found.next_reference is not None and not is_written:
         print(
@@ -125,9 +125,11 @@ def _print(found: Diagnosis, is_written: bool) -> None:
 def _print_impacts(found: Diagnosis) -> None:
     rows = [
         [f"{one.time:.2f}", *(f"{v:.3f}" for v in (*one.pose[:2], one.speed_before, one.speed_after))]
-        for one in found.impacts[:MOST_TOLD]
+        for one in found.impacts[:MAX_IMPACTS_SHOWN]
     ]
     if rows:
-        more = f", the first {MOST_TOLD} of {len(found.impacts)}" if len(found.impacts) > MOST_TOLD else ""
+        more = (
+            f", the first {MAX_IMPACTS_SHOWN} of {len(found.impacts)}" if len(found.impacts) > MAX_IMPACTS_SHOWN else ""
+        )
         title = f"Sudden changes of motion that no wrench explains, left out of the fits{more}"
         print_table(title, ["t, s", "x, m", "y, m", "speed before, m/s", "after, m/s"], rows, left=0)

@@ -24,8 +24,8 @@ from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, progress, say
-from .sensors import check_accepted, first_looks
-from .taught import print_health, taught_word
+from .sensors import check_accepted, check_logs
+from .taught import identifiable_word, print_health
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -51,7 +51,7 @@ def run(
     log = log_of(path, topics, coasting)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")
-    looks = first_looks([log], cart, accepted, is_told=not as_json)
+    looks = check_logs([log], cart, accepted, is_told=not as_json)
     tell_given([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
@@ -132,7 +132,7 @@ def print_parameters(
             f"{unrounded(p.value, p.std):.5g}",
             f"{p.std:.2g}",
             p.unit,
-            taught_word(p.identifiable, health),
+            identifiable_word(p.identifiable, health),
         ]
         for name, p in parameters.items()
         if p.std > 0

@@ -18,8 +18,8 @@ from ..studies.estimators_figures_of_merit import (
 from .output import make_folder, progress
 from .study_report import Section, StudyReport, usual_workers
 
-BETTER = "When which is better: errors of the filter over those of the regressor"
-PARAMETERS = "Rms errors at the end (mean error of the mass beside), and rms errors in standard deviations (z)"
+COMPARISON_TITLE = "When which is better: errors of the filter over those of the regressor"
+PARAMETERS_TITLE = "Rms errors at the end (mean error of the mass beside), and rms errors in standard deviations (z)"
 
 
 def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
@@ -28,9 +28,9 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
         trials = run_trials(range(seed, seed + seeds), usual_workers(), tell)
     promised = claims(trials)
     sections = [
-        Section(BETTER, BETTER_COLUMNS, better_rows(trials), left=2),
+        Section(COMPARISON_TITLE, BETTER_COLUMNS, better_rows(trials), left=2),
         Section.of_claims("Claims", promised),
-        Section(PARAMETERS, COLUMNS, rows(trials), left=2),
+        Section(PARAMETERS_TITLE, COLUMNS, rows(trials), left=2),
         Section(
             "Rms errors of the motion on the way, and the time of a row", MOTION_COLUMNS, motion_rows(trials), left=2
         ),

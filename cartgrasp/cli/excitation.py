@@ -10,8 +10,8 @@ from ..studies.excitation_plots import save_plots
 from .output import make_folder, progress
 from .study_report import Section, StudyReport, usual_workers
 
-PRICES = "What an allowance buys: standard deviations foretold (criterion D; kg, m, m, kg·m²)"
-TITLE = "Standard deviations at the end (kg, m, m, kg·m²)"
+ALLOWANCES_TITLE = "What an allowance buys: standard deviations foretold (criterion D; kg, m, m, kg·m²)"
+DEVIATIONS_TITLE = "Standard deviations at the end (kg, m, m, kg·m²)"
 
 
 def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
@@ -21,8 +21,8 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
     save_plots(drives, out)
     promised = claims(drives)
     sections = [
-        Section(TITLE, COLUMNS, rows(drives)),
-        Section(PRICES, PRICE_COLUMNS, price_rows()),
+        Section(DEVIATIONS_TITLE, COLUMNS, rows(drives)),
+        Section(ALLOWANCES_TITLE, PRICE_COLUMNS, price_rows()),
         Section.of_claims("Claims", promised),
     ]
     document = {"seed": seed, "seeds": seeds, "ways": [as_dict(drive) for drive in drives]}

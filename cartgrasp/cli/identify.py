@@ -16,7 +16,7 @@ from ..model import CartModel
 from .estimate import print_parameters, tell_given
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
-from .sensors import check_accepted, first_looks
+from .sensors import check_accepted, check_logs
 
 
 def run(
@@ -30,7 +30,7 @@ def run(
 ) -> int:
     check_accepted(accepted)
     cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
-    looks = first_looks(logs, cart, accepted, is_told=not as_json)
+    looks = check_logs(logs, cart, accepted, is_told=not as_json)
     tell_given(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)

@@ -16,7 +16,7 @@ from ..errors import DataError, UsageError
 from ..logs.provenance import sum_of_all
 from ..writing import write_atomically
 
-INPUTS = "inputs.json"
+INPUTS_FILE_NAME = "inputs.json"
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Inputs:
     accepted: tuple[str, ...] = ()
 
     def save(self, folder: Path) -> Path:
-        return write_atomically(folder / INPUTS, json.dumps(asdict(self), indent=1) + "\n")
+        return write_atomically(folder / INPUTS_FILE_NAME, json.dumps(asdict(self), indent=1) + "\n")
 
 
 @dataclass(frozen=True)
@@ -63,7 +63,7 @@ class Sources:
     def following(self, folder: Path) -> Sources:
         """The sources with the logs of an earlier report before one's own, and with its cart unless another is
         given."""
-        inputs = _read(folder / INPUTS)
+        inputs = _read(folder / INPUTS_FILE_NAME)
         logs = tuple(_there(folder, one, "log") for one in inputs.logs)
         return Sources(
             (*logs, *self.logs),

@@ -14,7 +14,7 @@ from ..model import CartModel
 from .estimate import cart_of, log_of
 from .output import check_writable, make_folder, say
 
-CART = "cart.yaml"
+CART_FILE_NAME = "cart.yaml"
 """What identify and discrepancy write into their folder."""
 
 
@@ -31,7 +31,7 @@ def cart_and_logs(
     _check_distinct(paths)
     if out is not None:
         make_folder(out)
-        check_writable(out / CART, cart_path, topics, *paths)
+        check_writable(out / CART_FILE_NAME, cart_path, topics, *paths)
     read = log_of if topics is None or len(paths) == 1 else _one_of_several
     logs = [read(path, topics, coasting) for path in paths]
     _check_other_rows(paths, logs)

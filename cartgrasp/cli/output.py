@@ -64,7 +64,7 @@ def say(message: str) -> None:
     print(message, file=sys.stderr)
 
 
-class KernelsTold:
+class KernelProgressLines:
     """Lines on stderr while kernels are compiled, of so many if that is known."""
 
     def __init__(self, most: int | None = None) -> None:
@@ -76,11 +76,11 @@ class KernelsTold:
         say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
 
 
-EVERY = 20.0
+PROGRESS_INTERVAL = 20.0
 """s between lines of progress where nobody draws a bar."""
 
 
-class SharesTold:
+class ShareProgressLines:
     """Lines on stderr of how much is done, and how long the rest may take, while something takes long."""
 
     def __init__(self, what: str) -> None:
@@ -89,7 +89,7 @@ class SharesTold:
 
     def __call__(self, share: float) -> None:
         now = time.monotonic()
-        if now - self._told >= EVERY and 0.0 < share < 1.0:
+        if now - self._told >= PROGRESS_INTERVAL and 0.0 < share < 1.0:
             self._told, left = now, (now - self._begun) * (1.0 - share) / share
             rest = f"{left / 60:.0f} min" if left >= 120.0 else f"{left:.0f} s"
             say(f"{self._what}: {100 * share:.0f} %, {rest} left")
@@ -99,7 +99,7 @@ class SharesTold:
 def progress(what: str) -> Iterator[Callable[[float], None]]:
     """A bar on stderr with the time left, or lines where that is no terminal; the caller tells the share done."""
     if not sys.stderr.isatty():
-        yield SharesTold(what)
+        yield ShareProgressLines(what)
         return
     from rich.console import Console
     from rich.markup import escape

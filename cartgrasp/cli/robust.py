@@ -10,7 +10,7 @@ from ..studies.robust_margins_plots import save_plots
 from .output import make_folder, progress
 from .study_report import Section, StudyReport, usual_workers
 
-TITLE = "Margins while the load is learned (at hard ticks; effort in N²)"
+MARGINS_TITLE = "Margins while the load is learned (at hard ticks; effort in N²)"
 
 
 def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
@@ -19,7 +19,7 @@ def run(out: Path, as_json: bool, seed: int, seeds: int) -> int:
         runs = run_seeds(range(seed, seed + seeds), usual_workers(), tell)
     save_plots(runs, out)
     promised = claims(runs)
-    sections = [Section(TITLE, COLUMNS, rows(runs)), Section.of_claims("Claims", promised)]
+    sections = [Section(MARGINS_TITLE, COLUMNS, rows(runs)), Section.of_claims("Claims", promised)]
     document = {"seed": seed, "seeds": seeds, "runs": [as_dict(one) for one in runs]}
     made_by = f"--seed {seed} --seeds {seeds}"
     return StudyReport("robust", "Robust margins", made_by, sections, document, promised).finish(out, as_json)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from ..studies.run_figures import RunFigures
 from .output import print_table
-from .taught import print_health, taught_word
+from .taught import identifiable_word, print_health
 
 
 def print_run(figures: RunFigures, title: str) -> None:
@@ -27,7 +27,7 @@ def print_run(figures: RunFigures, title: str) -> None:
             f"{p['value']:.4g}",
             f"{p['std']:.2g}",
             p["unit"],
-            taught_word(p["identifiable"], f.health),
+            identifiable_word(p["identifiable"], f.health),
         ]
         for name, p in f.parameters.items()
         if p["std"] > 0

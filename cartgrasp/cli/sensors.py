@@ -34,14 +34,14 @@ def looked_at(log: RunLog, cart: CartModel | None) -> Look:
         raise DataError(f"{log.name}: can't be looked at; look for numbers that are not in SI units") from error
 
 
-def refuse(log: RunLog, suspicions: Iterable[Suspicion], accepted: Sequence[str]) -> None:
+def refuse_suspicions(log: RunLog, suspicions: Iterable[Suspicion], accepted: Sequence[str]) -> None:
     """Raises DataError where something makes every estimate worthless, and isn't accepted."""
     for one in suspicions:
         if one.is_refused and one.kind not in accepted:
             raise DataError(f"{log.name}: {one.words}; or say --accept {one.kind} if it is as it should be")
 
 
-def first_looks(
+def check_logs(
     logs: Sequence[RunLog], cart: CartModel, accepted: Sequence[str], is_told: bool = True
 ) -> list[dict[str, Any] | None]:
     """Before anything is learned: refuses what surely is wrong, and else tells each log in a few lines, unless JSON
@@ -50,15 +50,15 @@ def first_looks(
     found = [_look(log, cart) for log in logs]
     for log, look in zip(logs, found, strict=True):
         if isinstance(look, Look):
-            refuse(log, look.suspicions, accepted)
+            refuse_suspicions(log, look.suspicions, accepted)
     for log, look in zip(logs, found, strict=True) if is_told else ():
         _tell(log, look)
     if is_told:
-        _tell_strangers(logs, cart)
+        _report_unknown_arms(logs, cart)
     return [look.as_dict() if isinstance(look, Look) else None for look in found]
 
 
-def _tell_strangers(logs: Sequence[RunLog], cart: CartModel) -> None:
+def _report_unknown_arms(logs: Sequence[RunLog], cart: CartModel) -> None:
     """Sensors of the cart file whose arms are in no log, so that they say nothing of it."""
     arms = {arm for log in logs for arm in log.arms}
     for effect in cart.effects:
@@ -84,7 +84,7 @@ def _tell(log: RunLog, look: Look | DataError) -> None:
         for one in seen.sensors
         if one.where in seen.arms and one.largest[0] is not None
     ]
-    say(f"{log.name}: {in_short(look)}" + "".join(f"; {one}" for one in of_arms))
+    say(f"{log.name}: {log_summary(look)}" + "".join(f"; {one}" for one in of_arms))
     for one in look.suspicions:
         say(f"  suspected with {one.probability:.2f}, {one.kind}: {one.words}")
     if look.unjudged:
@@ -95,7 +95,7 @@ def _why(log: RunLog, error: DataError) -> str:
     return str(error).removeprefix(f"{log.name}: ")
 
 
-def in_short(look: Look) -> str:
+def log_summary(look: Look) -> str:
     """A log in one line."""
     seen = look.overview
     rate = "" if seen.rate is None else f" at {seen.rate:.4g} Hz"

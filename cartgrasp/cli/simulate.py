@@ -26,14 +26,14 @@ from ..simulation.sensors import SensorNoise
 from ..studies.named_paths import named_path
 from ..studies.run_figures import RunFigures
 from ..studies.scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
-from ..studies.shopping_cart import FIRM
+from ..studies.shopping_cart import FIRM_GAINS
 from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
 from .run_tables import print_run
 
-APART = 0.1
+HAND_PLACE_SPACING = 0.1
 """m along the handle, between the places where a hand may hold."""
-LARGEST_FORCE, LARGEST_MOMENT, MOST_NOISE = 150.0, 40.0, 1e4
+MAX_ARM_FORCE, MAX_ARM_MOMENT, MAX_FORCE_NOISE = 150.0, 40.0, 1e4
 
 
 @dataclass(frozen=True)
@@ -88,8 +88,8 @@ def build_scenario(choice: Choice) -> Scenario:
     guess = truth if choice.guess is None else load_cart(choice.guess)
     if guess.constraints != truth.constraints:
         raise UsageError("--guess: its constraints differ from those of --cart; the structure must be the same")
-    if not 0 <= choice.force_noise <= MOST_NOISE:
-        raise UsageError(f"--force-noise {choice.force_noise:g}: give 0 to {MOST_NOISE:g} N")
+    if not 0 <= choice.force_noise <= MAX_FORCE_NOISE:
+        raise UsageError(f"--force-noise {choice.force_noise:g}: give 0 to {MAX_FORCE_NOISE:g} N")
     way, arms = _way(choice, truth.constraints), _arms(choice.arms)
     moment = choice.force_noise / 20
     sensors = SensorNoise(force=choice.force_noise, moment=moment)
@@ -108,7 +108,7 @@ def build_scenario(choice: Choice) -> Scenario:
         guess=guess,
         arms=arms,
         contacts=choice.contacts,
-        choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=APART / 2),
+        choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=HAND_PLACE_SPACING / 2),
         regrasp=RegraspTimes(),
         cart_limits=_cart_limits(choice.guards, guess, arms),
         confidence=choice.guards.confidence,
@@ -120,7 +120,7 @@ def build_scenario(choice: Choice) -> Scenario:
         noise=noise,
         estimation=LEARNING if choice.learn else FIRST_GUESS,
         plant=choice.plant,
-        gains=FIRM,
+        gains=FIRM_GAINS,
         seed=choice.seed,
     )
 
@@ -139,8 +139,8 @@ def _cart_limits(guards: Guards, guess: CartModel, arms: Sequence[Arm]) -> tuple
 
 def _arms(count: int) -> tuple[Arm, ...]:
     sides = np.linspace(0.25, -0.25, count) if count > 1 else np.zeros(1)
-    force, moment = (LARGEST_FORCE,) * 3, (LARGEST_MOMENT,) * 3
-    places = [[(-0.25, float(y) + off, 1.0) for off in (0.0, APART, -APART)] for y in sides]
+    force, moment = (MAX_ARM_FORCE,) * 3, (MAX_ARM_MOMENT,) * 3
+    places = [[(-0.25, float(y) + off, 1.0) for off in (0.0, HAND_PLACE_SPACING, -HAND_PLACE_SPACING)] for y in sides]
     return tuple(Arm(f"arm{i + 1}", points, force_limit=force, moment_limit=moment) for i, points in enumerate(places))
 
 

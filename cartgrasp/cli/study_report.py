@@ -13,7 +13,7 @@ from ..view.figures import save_figure
 from ..writing import write_atomically
 from .output import make_folder, print_json, print_table, progress, say
 
-MOST_WORKERS = 8
+MAX_WORKERS = 8
 
 
 @dataclass(frozen=True)
@@ -95,4 +95,4 @@ def run_study(
 
 def usual_workers() -> int:
     """Processes for a study."""
-    return max(1, min(os.cpu_count() or 1, MOST_WORKERS))
+    return max(1, min(os.cpu_count() or 1, MAX_WORKERS))

@@ -21,11 +21,11 @@ from ..writing import write_atomically
 from ..yaml_file import dump_yaml, parse_yaml
 from .output import print_json, print_table, say
 
-MOST_OTHERS = 30
+MAX_SIBLING_FILES = 30
 """Files of a folder that are looked at."""
 
-ANSWER = "the answer"
-UNNAMED = "\n  arm:\n"
+ANSWER_NAME = "the answer"
+UNNAMED_ARM_ENTRY = "\n  arm:\n"
 """How the proposed map begins a hand that no column names."""
 
 
@@ -56,7 +56,7 @@ def run(path: Path, beside: Sequence[Path], out: Path | None, ask: bool, as_json
         if out.exists():
             raise UsageError(f"{out}: is there already; remove it, or name another place with --out")
         document = _named(document, text)
-        _ask(document, open_questions(document, ANSWER), text)
+        _ask(document, open_questions(document, ANSWER_NAME), text)
         text = dump_yaml(document)
         questions = open_questions(document, str(path))
     if out is not None:
@@ -77,7 +77,7 @@ def _is_run_log(proposal: Proposal) -> bool:
 def _others(path: Path) -> list[Path]:
     """Tables in the same folder."""
     found = sorted(p for p in path.parent.iterdir() if p.suffix.lower() in TABLES and p.name != path.name)
-    return [p for p in found if p.is_file()][:MOST_OTHERS]
+    return [p for p in found if p.is_file()][:MAX_SIBLING_FILES]
 
 
 def _document(proposal: Proposal, questions: Sequence[Question]) -> dict[str, Any]:
@@ -131,12 +131,12 @@ def _alike(questions: Sequence[Question]) -> list[list[Question]]:
 
 def _named(document: CommentedMap, text: str) -> CommentedMap:
     """The map, of such a text, with a word of one's own for a hand that no column names."""
-    if UNNAMED not in text:
+    if UNNAMED_ARM_ENTRY not in text:
         return document
     print("arms: a word for the hand, as your cart's file and your controller call it")
     while True:
         word = input("  name [arm]: ").strip() or "arm"
-        document = parse_yaml(text.replace(UNNAMED, f"\n  {json.dumps(word)}:\n"), ANSWER)
+        document = parse_yaml(text.replace(UNNAMED_ARM_ENTRY, f"\n  {json.dumps(word)}:\n"), ANSWER_NAME)
         if _is_taken(document, ("arms", word)):
             return document
 
@@ -171,7 +171,7 @@ def _answered(text: str) -> Any:
 def _is_taken(document: CommentedMap, where: Location) -> bool:
     """Whether what was put there can be used; if not, says why."""
     try:
-        wrong = [one.why for one in open_questions(document, ANSWER) if one.where == where and one.said is None]
+        wrong = [one.why for one in open_questions(document, ANSWER_NAME) if one.where == where and one.said is None]
     except FileError as error:
         wrong = [error.why]
     for why in wrong:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from estimation.health import Health
 
 
-def taught_word(is_identifiable: bool, health: str = Health.OK) -> str:
+def identifiable_word(is_identifiable: bool, health: str = Health.OK) -> str:
     """`yes` only under a health that is ok."""
     return "yes" if is_identifiable and health == Health.OK else "no"
 

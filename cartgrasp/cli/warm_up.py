@@ -13,26 +13,26 @@ from estimation import CartFilter, DisturbedFilter, RegressorEstimator
 from planning import WrenchPlanner
 
 from ..arms import Arm
-from ..compile_notice import compiling, telling
+from ..compile_notice import compiling, kernel_listener
 from ..compiling import ENTRY_KERNELS
 from ..inertia import Inertia
 from ..model import CartModel
 from ..wheels import Wheel
-from .output import KernelsTold, print_json
+from .output import KernelProgressLines, print_json
 
-OTHERS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "topple"})
+FOREIGN_EFFECT_KERNELS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "topple"})
 """Kernels for carts that have effects without kernels."""
-PLACES = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
-WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
-CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=WHEELS)
-HELP = f"from {__name__} import prepare_regression; prepare_regression()"
+WARM_UP_CONTACTS = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
+WARM_UP_WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))
+WARM_UP_CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), wheels=WARM_UP_WHEELS)
+HELPER_CODE = f"from {__name__} import prepare_regression; prepare_regression()"
 
 
 def run(as_json: bool) -> int:
     """Whatever the cart and the arms, kernels are the same."""
     kernels = asked_for()
-    told = KernelsTold(len(kernels))
-    with telling(told):
+    told = KernelProgressLines(len(kernels))
+    with kernel_listener(told):
         prepare()
     ready = sum(bool(kernel.overloads) for kernel in kernels)
     if as_json:
@@ -44,13 +44,13 @@ def run(as_json: bool) -> int:
 
 def prepare(kind: type[CartFilter] | type[DisturbedFilter] = DisturbedFilter) -> None:
     """What a kind of filter, planner and model call; another process helps, which begins with other kernels."""
-    helper = subprocess.Popen([sys.executable, "-c", HELP], stdout=subprocess.PIPE, text=True)
+    helper = subprocess.Popen([sys.executable, "-c", HELPER_CODE], stdout=subprocess.PIPE, text=True)
     listener = Thread(target=_tell_of, args=(helper, compiling))
     listener.start()
-    for places in (PLACES[:1], PLACES):
-        WrenchPlanner(CART, [Arm("hand", places)]).warm_up()
-    CART.dynamics.warm_up()
-    kind(CART).warm_up()
+    for places in (WARM_UP_CONTACTS[:1], WARM_UP_CONTACTS):
+        WrenchPlanner(WARM_UP_CART, [Arm("hand", places)]).warm_up()
+    WARM_UP_CART.dynamics.warm_up()
+    kind(WARM_UP_CART).warm_up()
     listener.join()
 
 
@@ -63,8 +63,8 @@ def _tell_of(helper: subprocess.Popen[str], tell: Callable[[str], None]) -> None
 
 def prepare_regression() -> None:
     """What the helper does: the filter's regression takes about as long as all else."""
-    with telling(lambda kernel: print(kernel, flush=True)):
-        RegressorEstimator(CART).warm_up()
+    with kernel_listener(lambda kernel: print(kernel, flush=True)):
+        RegressorEstimator(WARM_UP_CART).warm_up()
 
 
 def asked_for() -> list[Any]:
@@ -76,4 +76,4 @@ def asked_for() -> list[Any]:
     ):
         import_module(room)
     ours = (kernel for kernel in ENTRY_KERNELS if ".kernels." in kernel.py_func.__module__)
-    return [kernel for kernel in ours if kernel.py_func.__name__ not in OTHERS]
+    return [kernel for kernel in ours if kernel.py_func.__name__ not in FOREIGN_EFFECT_KERNELS]

@@ -25,7 +25,7 @@ from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
 from .mujoco_cart import WHEEL_RADIUS, MujocoCart, check_stands
-from .outer_forces import OuterForces
+from .outer_forces import EffectForces
 from .plant import brief_plant
 
 TIP_OVER_TILT = np.radians(20.0)
@@ -74,7 +74,7 @@ class MujocoPlant:
             self._set_velocity(cart.basis_b @ np.asarray(velocity, dtype=float), headings)
         mujoco.mj_forward(self._model, self._data)
         self._pushed = np.zeros(6)
-        self._outer = OuterForces(cart, self._cart.mechanisms.outer, self._whole_motion, 0.0)
+        self._outer = EffectForces(cart, self._cart.mechanisms.outer, self._whole_motion, 0.0)
 
     def __repr__(self) -> str:
         return brief_plant(self, self._cart.cart)

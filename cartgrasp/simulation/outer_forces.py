@@ -13,7 +13,7 @@ from ..model import CartModel
 from ..motion import Motion
 
 
-class OuterForces:
+class EffectForces:
     """The wrench of some effects on a cart, whose memory goes along. A motion is given with the full velocity (u, w, r)
     in {b}."""
 

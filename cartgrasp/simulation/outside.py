@@ -20,11 +20,11 @@ class Push(NamedTuple):
     point_b: Array
 
 
-Outside = Callable[[float, Motion], Sequence[Push]]
+PushSource = Callable[[float, Motion], Sequence[Push]]
 """What pushes at a time, s, on a cart with such a motion."""
 
 
-def nothing_outside(time: float, motion: Motion) -> Sequence[Push]:
+def no_pushes(time: float, motion: Motion) -> Sequence[Push]:
     """No pushes."""
     return ()
 
@@ -32,7 +32,7 @@ def nothing_outside(time: float, motion: Motion) -> Sequence[Push]:
 class PushedPlant:
     """A plant on which something pushes beside the arms, which they don't feel."""
 
-    def __init__(self, plant: Plant, outside: Outside) -> None:
+    def __init__(self, plant: Plant, outside: PushSource) -> None:
         self.plant, self._outside = plant, outside
 
     @property

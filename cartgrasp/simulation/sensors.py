@@ -17,7 +17,7 @@ from ..tracked_point import carried, composed, inverted
 
 
 @dataclass(frozen=True)
-class Felt:
+class AppliedWrenches:
     """What arms gave at a time (s): wrenches (6,) in {a}, and how their hands moved."""
 
     time: float
@@ -84,7 +84,7 @@ class Sensors:
         self._latest = sum(effect.lateness for effect, _ in cart.sensor_effects)
         self._pose_bt = inverted(cart.pose_tb)
         self._motion: Motion | None = None
-        self._felt: list[Felt] = []
+        self._felt: list[AppliedWrenches] = []
 
     def motion(self, time: float, motion: Motion) -> Measurement:
         """Pose and velocity, where they are due."""
@@ -105,7 +105,7 @@ class Sensors:
         nothing, without noise. `acceleration` is that of the cart's free velocities (n_free,) at the motion that was
         sensed last; None where no sensor feels it."""
         recorded = {}
-        self._felt.append(Felt(time, wrenches.wrenches, self._hands(wrenches, acceleration)))
+        self._felt.append(AppliedWrenches(time, wrenches.wrenches, self._hands(wrenches, acceleration)))
         if self._is_due("wrench", time, self.noise.wrench_period):
             scale = np.repeat([self.noise.force, self.noise.moment], 3)
             for arm in wrenches.wrenches:

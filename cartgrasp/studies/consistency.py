@@ -21,16 +21,16 @@ from ..effects import RollingResistance, ViscousDrag
 from ..frames import Array, wrap_angle
 from ..inertia import N_PHI, Inertia, physical_from_phi
 from ..model import CartModel
-from .estimators import HANDS, SENSORS, Drive, Job, drive_cart, filter_noise, guess
+from .estimators import HANDS, SENSOR_SETS, Drive, Job, drive_cart, filter_noise, guess
 from .parallel import run_all
 
 DURATION = 12.0
 """s: up to where the cart stops."""
-SPREAD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_resistance.coefficient": 0.004}
+PRIOR_STD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_resistance.coefficient": 0.004}
 """So small beside the guess that a draw is hardly ever negative, which would not be from the prior any more."""
-PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=SPREAD)
-MATCHED, WRONG = "matched", "rolling resistance left out"
-MODELS = MATCHED, WRONG
+PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=PRIOR_STD)
+MATCHED_MODEL, WRONG_MODEL = "matched", "rolling resistance left out"
+MODELS = MATCHED_MODEL, WRONG_MODEL
 MOTION, PARAMETERS, POSE, VELOCITY = "NEES of motion", "NEES of parameters", "NIS of pose", "NIS of velocity"
 SQUARES = MOTION, PARAMETERS, POSE, VELOCITY
 
@@ -62,16 +62,16 @@ def drawn_cart(seed: int) -> CartModel:
 def believed(model: str) -> tuple[CartModel, Prior]:
     """What a filter begins with."""
     cart = guess()
-    if model == MATCHED:
+    if model == MATCHED_MODEL:
         return cart, PRIOR
     return CartModel(cart.inertia, cart.constraints, cart.effects[:1]), replace(
-        PRIOR, std={name: std for name, std in SPREAD.items() if "rolling" not in name}
+        PRIOR, std={name: std for name, std in PRIOR_STD.items() if "rolling" not in name}
     )
 
 
 def exact_noise(sensors: str) -> FilterNoise:
     """What the simulation adds, and nothing else."""
-    return replace(filter_noise(SENSORS[sensors]), disturbance=0.0, slip=0.0)
+    return replace(filter_noise(SENSOR_SETS[sensors]), disturbance=0.0, slip=0.0)
 
 
 def follow(drive: Drive, cart: CartModel, model: str, noise: FilterNoise) -> Trace:

@@ -12,10 +12,10 @@ from estimation.prior import report_names
 
 from ..frames import Array
 from .claims import Claim
-from .consistency import MATCHED, MODELS, SQUARES, WRONG, Trace, believed
-from .estimators import PERIOD
+from .consistency import MATCHED_MODEL, MODELS, SQUARES, WRONG_MODEL, Trace, believed
+from .estimators import CONTROL_PERIOD
 
-LEAST_SHARE = 0.9
+MIN_INSIDE_FRACTION = 0.9
 COLUMNS = ("model", "square", "by dimension, over all steps", "95 % band of a step", "steps inside")
 SCORE_TIMES = (1.0, 3.0, 6.0, 12.0)
 SCORE_COLUMNS = ("model", "parameter", *(f"{time:g} s" for time in SCORE_TIMES))
@@ -42,7 +42,7 @@ def consistency(runs: Sequence[dict[str, Trace]], model: str, square: str) -> Co
     size = runs[0][model].dimensions[square]
     seen = np.isfinite(values).all(axis=0)
     low, high = (float(chi2.ppf(p, size * len(runs))) / (size * len(runs)) for p in (0.025, 0.975))
-    time = PERIOD * np.arange(values.shape[1])
+    time = CONTROL_PERIOD * np.arange(values.shape[1])
     return Consistency(time[seen], values[:, seen].mean(axis=0) / size, low, high)
 
 
@@ -61,7 +61,7 @@ def score_rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
     told: list[tuple[str, ...]] = []
     for model in MODELS:
         scores = np.array([run[model].scores for run in runs])
-        steps = [min(round(time / PERIOD), scores.shape[1]) - 1 for time in SCORE_TIMES]
+        steps = [min(round(time / CONTROL_PERIOD), scores.shape[1]) - 1 for time in SCORE_TIMES]
         rms = np.sqrt((scores[:, steps] ** 2).mean(axis=0))
         names = report_names(believed(model)[0])
         told += [(model, name, *(f"{v:.2f}" for v in rms[:, i])) for i, name in enumerate(names)]
@@ -72,11 +72,16 @@ def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
     """Each square in its band, and a wrong model that is not."""
     shares = {model: [consistency(runs, model, square).inside for square in SQUARES] for model in MODELS}
     told = [
-        Claim(square, f"in its 95 % band at {LEAST_SHARE:.0%} of the steps", f"{share:.1%}", share >= LEAST_SHARE)
-        for square, share in zip(SQUARES, shares[MATCHED], strict=True)
+        Claim(
+            square,
+            f"in its 95 % band at {MIN_INSIDE_FRACTION:.0%} of the steps",
+            f"{share:.1%}",
+            share >= MIN_INSIDE_FRACTION,
+        )
+        for square, share in zip(SQUARES, shares[MATCHED_MODEL], strict=True)
     ]
-    worst = min(shares[WRONG])
-    return [*told, Claim(WRONG, "fails the same test", f"worst share {worst:.1%}", worst < LEAST_SHARE)]
+    worst = min(shares[WRONG_MODEL])
+    return [*told, Claim(WRONG_MODEL, "fails the same test", f"worst share {worst:.1%}", worst < MIN_INSIDE_FRACTION)]
 
 
 def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:

@@ -13,7 +13,7 @@ from ..view.plots import OKABE_ITO, house_style
 from .consistency import MODELS, SQUARES, Trace
 from .consistency_figures_of_merit import Consistency, consistency
 
-WIDE = 3.0
+LOG_SCALE_RATIO = 3.0
 """Times its band: what goes higher is drawn in decades."""
 
 
@@ -22,7 +22,7 @@ def draw_square(axes: Axes, found: Consistency) -> None:
     axes.axhspan(found.low, found.high, color=OKABE_ITO[0], alpha=0.2, linewidth=0, label="95 % of steps")
     axes.plot(found.time, found.mean, color=OKABE_ITO[1], linewidth=0.7, label="mean over the runs")
     width, highest = found.high - found.low, float(found.mean.max())
-    if highest > WIDE * found.high:
+    if highest > LOG_SCALE_RATIO * found.high:
         axes.set_yscale("log")
         axes.set_ylim(0.5 * found.low, 2 * highest)
     else:

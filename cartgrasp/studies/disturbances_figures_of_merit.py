@@ -9,21 +9,22 @@ from dataclasses import dataclass
 import numpy as np
 
 from .claims import Claim
-from .disturbances import KINDS, OURS, PERIOD, WAYS, Outcome
+from .disturbances import CONTROL_PERIOD, DISTURBANCE_KINDS, OURS, WAYS, Outcome
 
 COLUMNS = (
     *("kind", "way", "rms mm", "peak mm", "rms mrad", "peak mrad", "over 1 cm s", "rms force N"),
     *("mass off %", "within 2 %", "fell"),
 )
-FAR = 0.01
+RECOVERED_DISTANCE = 0.01
 """m: while the cart is farther from its path it has not recovered."""
-AT_MOST, MASS = 0.7, 0.02
+MAX_PEER_RATIO, MASS_TOLERANCE = 0.7, 0.02
 
 
 @dataclass(frozen=True)
 class Merit:
-    """Over the runs of a kind and a way that did not tip over: mm and mrad; s for which a run was FAR; N; the median of
-    the largest error of the mass (%, NaN where none is learned), the share of runs within MASS (%); how many fell."""
+    """Over the runs of a kind and a way that did not tip over: mm and mrad; s for which a run was beyond
+    RECOVERED_DISTANCE; N; the median of the largest error of the mass (%, NaN where none is learned), the share of runs
+    within MASS_TOLERANCE (%); how many fell."""
 
     rms: float
     peak: float
@@ -47,10 +48,10 @@ class Merit:
             peak=1e3 * float(np.mean([one.position.max() for one in stood])),
             turned_rms=1e3 * _rms([one.heading for one in stood]),
             turned_peak=1e3 * float(np.mean([one.heading.max() for one in stood])),
-            far=float(np.mean([PERIOD * (one.position > FAR).sum() for one in stood])),
+            far=float(np.mean([CONTROL_PERIOD * (one.position > RECOVERED_DISTANCE).sum() for one in stood])),
             force=_rms([one.force for one in stood]),
             mass=100 * float(np.median(masses)),
-            kept=100 * float((masses <= MASS).mean()),
+            kept=100 * float((masses <= MASS_TOLERANCE).mean()),
             fell=len(outcomes) - len(stood),
         )
 
@@ -68,7 +69,7 @@ def merit(outcomes: Sequence[Outcome], kind: str, way: str) -> Merit:
 
 
 def _kinds(outcomes: Sequence[Outcome]) -> list[str]:
-    return [kind for kind in KINDS if any(one.case.kind == kind for one in outcomes)]
+    return [kind for kind in DISTURBANCE_KINDS if any(one.case.kind == kind for one in outcomes)]
 
 
 def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
@@ -91,10 +92,10 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
         best = np.nanmin([merit(outcomes, kind, way).errors for way in WAYS if way != OURS], axis=0)
         shares = np.array(ours.errors) / best
         told = " and ".join(f"{share:.2f}" for share in shares[:2])
-        claim = f"rms and peak of position are {AT_MOST} of the best peer's at most"
-        found.append(Claim(kind, claim, told, bool((shares[:2] <= AT_MOST).all())))
+        claim = f"rms and peak of position are {MAX_PEER_RATIO} of the best peer's at most"
+        found.append(Claim(kind, claim, told, bool((shares[:2] <= MAX_PEER_RATIO).all())))
         told = " and ".join(f"{share:.2f}" for share in shares[2:])
-        found.append(Claim(kind, "and of heading", told, bool((shares[2:] <= AT_MOST).all())))
+        found.append(Claim(kind, "and of heading", told, bool((shares[2:] <= MAX_PEER_RATIO).all())))
         found.append(Claim(kind, "the mass stays within 2 %", f"in {ours.kept:.0f} % of the runs", ours.kept == 100.0))
     return found
 

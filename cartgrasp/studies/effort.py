@@ -42,31 +42,37 @@ from .parallel import run_all
 from .run_figures import RunFigures
 from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
 
-MASSES, ASIDE, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
-WRONG, KEPT, LEARNED = "wrong guess kept", "usual load kept", "learned"
-KNOWLEDGE = (WRONG, KEPT, LEARNED)
+MASSES, COM_OFFSETS, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
+WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED = "wrong guess kept", "usual load kept", "learned"
+KNOWLEDGE = (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED)
 """An empty cart of 15 kg is believed in; a usual load of 40 kg; the same, 25 kg to either side, and learned."""
-MIDDLE, BEST, CHOSEN = "middle", "best", "chosen"
-PLACES = (MIDDLE, BEST, CHOSEN)
+MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE = "middle", "best", "chosen"
+PLACES = (MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE)
 """Held in the middle of the handle; where the whole path costs least by the truth; chosen in the loop."""
 WHEELS = (
     *(Wheel(FIXED, 0.0, y) for y in (0.32, -0.32)),
     *(Wheel(CASTER, 0.8, y, trail=0.045) for y in (0.3, -0.3)),
 )
 HANDLE_X, HEIGHT = -0.25, 1.0
-SIDE = (0.15, -0.05, 0.05, 0.25, 0.35)
+LEFT_GRIPS = (0.15, -0.05, 0.05, 0.25, 0.35)
 GRIPS: dict[int, dict[str, tuple[float, ...]]] = {
     1: {"hand": (0.0, 0.1, -0.1, 0.2, -0.2, 0.3, -0.3)},
-    2: {"left": SIDE, "right": tuple(-y for y in SIDE)},
+    2: {"left": LEFT_GRIPS, "right": tuple(-y for y in LEFT_GRIPS)},
 }
 """y of the places where each of so many hands may hold, the middle's first, m."""
-APART, COM_X, GYRATION = 0.15, 0.4, 0.33  # m
-NOISE = WrenchNoise(force=1.0, moment=0.05)
-SURE = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
+MIN_HAND_DISTANCE, COM_X, GYRATION_RADIUS = 0.15, 0.4, 0.33  # m
+WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05)
+FIRST_GUESS_STD = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
 START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.2))
 BENDS = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
 PATH = chain(START, STOP, START, BENDS, STOP)
-GAINS, SAME, CLOSE, TRIES, USUAL_SLOPE = (0.25, 8.0), 0.02, 1.6, 4, -1.5
+GAIN_RANGE, EQUAL_ERROR_TOLERANCE, MAX_BRACKET_RATIO, MAX_GAIN_TRIES, TYPICAL_GAIN_SLOPE = (
+    (0.25, 8.0),
+    0.02,
+    1.6,
+    4,
+    -1.5,
+)
 """Bounds of the factor on gains. Log ratio within which errors count as equal, and ratio within which they are near.
 Most gains tried. Usual log-log slope of the error by the gain."""
 FIGURES = ("gain", "error", "force", "moment", "largest_force", "largest_moment", "effort")
@@ -74,7 +80,7 @@ FIGURES = ("gain", "error", "force", "moment", "largest_force", "largest_moment"
 
 def cart(mass: float, aside: float) -> CartModel:
     """The truck with its CoM `aside` to the left, m."""
-    inertia = Inertia(mass, (COM_X, aside), mass * GYRATION**2)
+    inertia = Inertia(mass, (COM_X, aside), mass * GYRATION_RADIUS**2)
     drags = ViscousDrag(2.0, 0.4), RollingResistance(0.015)
     return CartModel(inertia, RollingConstraints(), drags, WHEELS, com_height=0.45, name=f"truck of {mass:g} kg")
 
@@ -91,19 +97,21 @@ def arms(hands: int, grips: Sequence[float] | None = None, moment_weight: float 
 
 
 def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str, gain: float, seed: int) -> Scenario:
-    guess = cart(15.0 if knowledge == WRONG else 40.0, 0.0)
+    guess = cart(15.0 if knowledge == WRONG_GUESS_KEPT else 40.0, 0.0)
     return Scenario(
         truth=truth,
-        guess=replace(guess, first_guess=SURE),
+        guess=replace(guess, first_guess=FIRST_GUESS_STD),
         arms=tuple(hands),
         stretches=PATH,
-        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment),
-        noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment, disturbance=0.1, slip=0.0005),
+        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment),
+        noise=FilterNoise(
+            0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment, disturbance=0.1, slip=0.0005
+        ),
         known=frozenset({"viscous_drag", "rolling_resistance"}),
         estimation=LEARNING if knowledge == LEARNED else FIRST_GUESS,
         plant=MUJOCO_PLANT,
-        contacts=TEACH if place == CHOSEN else STAY,
-        choosing=Choosing(every=2.0, asked={}, noise=NOISE, min_hand_distance=APART),
+        contacts=TEACH if place == CHOSEN_PLACE else STAY,
+        choosing=Choosing(every=2.0, asked={}, noise=WRENCH_NOISE, min_hand_distance=MIN_HAND_DISTANCE),
         regrasp=RegraspTimes(speed=0.8),
         gains=scaled(Gains(), gain),
         seed=seed,
@@ -116,7 +124,7 @@ def scaled(gains: Gains, by: float) -> Gains:
 
 
 @dataclass(frozen=True)
-class Paid:
+class RunCost:
     """What one run costs: by how much its gains were scaled, the rms position error (m), mean effort (N²) and regrasps.
     Forces (N) and moments (N·m) are the rms of all hands', and the largest of one hand. All are infinite where the cart
     tips over."""
@@ -131,7 +139,7 @@ class Paid:
     regrasps: int = 0
 
     @classmethod
-    def of(cls, record: RunRecord, gain: float) -> Paid:
+    def of(cls, record: RunRecord, gain: float) -> RunCost:
         wrenches = np.array(list(record.wrenches.values()))
         (force, peak), (moment, largest) = (_rms_and_largest(part) for part in (wrenches[..., :3], wrenches[..., 3:]))
         weights = np.array(arms(1)[0].weights)
@@ -140,7 +148,7 @@ class Paid:
         return cls(gain, figures.rms_error, force, moment, peak, largest, effort, figures.regrasps)
 
     def is_equal(self, error: float) -> bool:
-        return bool(abs(log(self.error / error)) <= SAME)
+        return bool(abs(log(self.error / error)) <= EQUAL_ERROR_TOLERANCE)
 
 
 def _rms_and_largest(parts: Array) -> tuple[float, float]:
@@ -160,12 +168,12 @@ class Job:
 
 
 @dataclass(frozen=True)
-class Compared:
+class Comparison:
     """What each way paid, by (knowledge, place), at the error (m) that all were to have."""
 
     job: Job
     error: float
-    paid: dict[tuple[str, str], Paid]
+    paid: dict[tuple[str, str], RunCost]
 
     def share(self, figure: str, one: tuple[str, str], other: tuple[str, str]) -> float:
         """A figure of one way by that of another; NaN where either does not reach the error."""
@@ -175,34 +183,34 @@ class Compared:
         return float(getattr(ways[0], figure) / getattr(ways[1], figure))
 
 
-def drive(job: Job, knowledge: str, place: str, gain: float) -> Paid:
+def drive(job: Job, knowledge: str, place: str, gain: float) -> RunCost:
     """One run."""
     truth, hands = cart(job.mass, job.aside), arms(job.hands)
-    grips = best_grips(truth, hands) if place == BEST else [arm.contacts.points[0][1] for arm in hands]
+    grips = best_grips(truth, hands) if place == BEST_PLACE else [arm.contacts.points[0][1] for arm in hands]
     held = {arm.name: (HANDLE_X, y, HEIGHT) for arm, y in zip(hands, grips, strict=True)}
-    hands = hands if place == CHOSEN else arms(job.hands, grips)
+    hands = hands if place == CHOSEN_PLACE else arms(job.hands, grips)
     try:
-        return Paid.of(run(scenario(truth, hands, knowledge, place, gain, job.seed).build(held=held)), gain)
+        return RunCost.of(run(scenario(truth, hands, knowledge, place, gain, job.seed).build(held=held)), gain)
     except PlantError:
-        return Paid(gain, inf)
+        return RunCost(gain, inf)
 
 
-def compare(job: Job) -> Compared:
+def compare(job: Job) -> Comparison:
     """All ways at the error of the learned cart that is held in the middle, with the usual gains."""
-    first = drive(job, LEARNED, MIDDLE, 1.0)
-    paid = {(LEARNED, MIDDLE): first}
+    first = drive(job, LEARNED, MIDDLE_PLACE, 1.0)
+    paid = {(LEARNED, MIDDLE_PLACE): first}
     for knowledge, place in product(KNOWLEDGE, PLACES):
         if (knowledge, place) not in paid:
             paid[knowledge, place] = at_error(first.error, partial(drive, job, knowledge, place))
-    return Compared(job, first.error, paid)
+    return Comparison(job, first.error, paid)
 
 
-def at_error(error: float, run_with: Callable[[float], Paid]) -> Paid:
+def at_error(error: float, run_with: Callable[[float], RunCost]) -> RunCost:
     """What is paid at an error: gains are sought by secants over logarithms until two runs enclose the error closely,
     and their figures interpolated so. Where no gain reaches it, the run that comes nearest."""
     tries = [run_with(1.0)]
-    while len(tries) < TRIES and tries[-1].error < inf and not _enclosed(tries, error):
-        gain = min(max(_next_gain(tries, error), GAINS[0]), GAINS[1])
+    while len(tries) < MAX_GAIN_TRIES and tries[-1].error < inf and not _enclosed(tries, error):
+        gain = min(max(_next_gain(tries, error), GAIN_RANGE[0]), GAIN_RANGE[1])
         if any(abs(log(gain / before.gain)) < 0.01 for before in tries):
             break
         tries.append(run_with(gain))
@@ -212,26 +220,28 @@ def at_error(error: float, run_with: Callable[[float], Paid]) -> Paid:
     share = log(error / near[0].error) / log(near[1].error / near[0].error)
     ends = np.log([[getattr(paid, name) for name in FIGURES] for paid in near])
     figures = np.exp((1 - share) * ends[0] + share * ends[1]).tolist()
-    return Paid(**dict(zip(FIGURES, figures, strict=True)), regrasps=max(paid.regrasps for paid in near))
+    return RunCost(**dict(zip(FIGURES, figures, strict=True)), regrasps=max(paid.regrasps for paid in near))
 
 
-def _around(tries: Sequence[Paid], error: float) -> list[Paid]:
+def _around(tries: Sequence[RunCost], error: float) -> list[RunCost]:
     """The runs next below and above, as far as there are any."""
     below = sorted((paid for paid in tries if paid.error <= error), key=lambda paid: -paid.error)
     above = sorted((paid for paid in tries if error < paid.error < inf), key=lambda paid: paid.error)
     return below[:1] + above[:1]
 
 
-def _enclosed(tries: Sequence[Paid], error: float) -> bool:
+def _enclosed(tries: Sequence[RunCost], error: float) -> bool:
     near = _around(tries, error)
-    return any(paid.is_equal(error) for paid in near) or (len(near) == 2 and near[1].error < CLOSE * near[0].error)
+    return any(paid.is_equal(error) for paid in near) or (
+        len(near) == 2 and near[1].error < MAX_BRACKET_RATIO * near[0].error
+    )
 
 
-def _next_gain(tries: Sequence[Paid], error: float) -> float:
+def _next_gain(tries: Sequence[RunCost], error: float) -> float:
     near = _around(tries, error)
     if len(near) < 2:
         near = sorted(tries, key=lambda paid: abs(log(paid.error / error)))[:2]
-    slope = USUAL_SLOPE
+    slope = TYPICAL_GAIN_SLOPE
     if len(near) == 2:
         slope = min(log(near[0].error / near[1].error) / log(near[0].gain / near[1].gain), -0.5)
     return near[0].gain * exp(log(error / near[0].error) / slope)
@@ -239,9 +249,9 @@ def _next_gain(tries: Sequence[Paid], error: float) -> float:
 
 def run_seeds(
     seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Compared]:
+) -> list[Comparison]:
     """Every truck with every seed, over `workers` processes."""
-    jobs = [Job(mass, aside, n, seed) for n, mass, aside, seed in product(HANDS, MASSES, ASIDE, seeds)]
+    jobs = [Job(mass, aside, n, seed) for n, mass, aside, seed in product(HANDS, MASSES, COM_OFFSETS, seeds)]
     return run_all(compare, jobs, workers, progress)
 
 
@@ -251,7 +261,7 @@ def run_seeds(
 def best_grips(truth: CartModel, hands: Sequence[Arm]) -> list[float]:
     """y of each hand, m, where the whole path takes the least effort."""
     path = PathReference(PATH)
-    outlook = ContactFamily.of(truth, hands, NOISE, APART).ahead(truth, path, (0.0, path.duration))
+    outlook = ContactFamily.of(truth, hands, WRENCH_NOISE, MIN_HAND_DISTANCE).ahead(truth, path, (0.0, path.duration))
     best = outlook.cheapest(np.zeros(len(outlook.lowest)))
     assert best is not None, "every grip can drive the path"
     return [float(y) for y in outlook.family.choices[best][:, 1]]
@@ -261,7 +271,7 @@ def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tu
     """The rms force and the effort in the best place, as shares of those in the middle, along the exact path and
     without limits."""
     truth, path = cart(40.0, aside), PathReference(PATH)
-    family = ContactFamily.of(truth, arms(hands, None, moment_weight), NOISE, APART)
+    family = ContactFamily.of(truth, arms(hands, None, moment_weight), WRENCH_NOISE, MIN_HAND_DISTANCE)
     lowest = family.ahead(truth, path, (0.0, path.duration)).lowest
     needed, best = motions(path, truth, (0.0, path.duration), 0.0).needed[0], int(lowest.argmin())
     firsts = [ys[0] for ys in GRIPS[hands].values()]

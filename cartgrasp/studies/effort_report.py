@@ -13,24 +13,24 @@ from matplotlib.figure import Figure
 from ..view.plots import OKABE_ITO, house_style, legend_above
 from .claims import Claim
 from .effort import (
-    BEST,
-    CHOSEN,
-    GAINS,
+    BEST_PLACE,
+    CHOSEN_PLACE,
+    GAIN_RANGE,
     HANDS,
-    KEPT,
     KNOWLEDGE,
     LEARNED,
-    MIDDLE,
+    MIDDLE_PLACE,
     PLACES,
-    WRONG,
-    Compared,
-    Paid,
+    USUAL_LOAD_KEPT,
+    WRONG_GUESS_KEPT,
+    Comparison,
+    RunCost,
     best_by_statics,
 )
 
-OFFSETS, FORCES_ALONE = (0.0, 0.05, 0.1, 0.15, 0.2), 1e4
-FIRST, LESS = (LEARNED, MIDDLE), 0.8
-SHARES = ("force", "moment", "largest_force", "largest_moment", "effort")
+STATIC_COM_OFFSETS, FORCE_ONLY_MOMENT_WEIGHT = (0.0, 0.05, 0.1, 0.15, 0.2), 1e4
+BASELINE, MAX_FORCE_RATIO = (LEARNED, MIDDLE_PLACE), 0.8
+SHARE_FIGURES = ("force", "moment", "largest_force", "largest_moment", "effort")
 WAY_TITLE = (
     "By what is known and where it is held: medians of shares of what the learned cart pays, held in the middle, over "
     "the trucks that have its rms position error at some gains (interpolated; else the error that comes nearest)"
@@ -42,14 +42,20 @@ WAY_COLUMNS = (
 TRUCK_TITLE = (
     "By truck: rms force N, moment N·m (largest of each) at the same error; in brackets the error, where it is not"
 )
-TRUCK_WAYS = ((WRONG, MIDDLE), (KEPT, MIDDLE), FIRST, (LEARNED, BEST), (LEARNED, CHOSEN))
+TRUCK_WAYS = (
+    (WRONG_GUESS_KEPT, MIDDLE_PLACE),
+    (USUAL_LOAD_KEPT, MIDDLE_PLACE),
+    BASELINE,
+    (LEARNED, BEST_PLACE),
+    (LEARNED, CHOSEN_PLACE),
+)
 STATIC_TITLE = "What the best place leaves of the middle's rms force; effort, by statics, CoM aside by"
 
 
-def tables(found: Sequence[Compared]) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
+def tables(found: Sequence[Comparison]) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
     """Title, columns and rows of each."""
     truck_columns = ("truck", "error mm", *(", ".join(way) for way in TRUCK_WAYS))
-    static_columns = ("hands", *(f"{100 * aside:g} cm" for aside in OFFSETS))
+    static_columns = ("hands", *(f"{100 * aside:g} cm" for aside in STATIC_COM_OFFSETS))
     return [
         (WAY_TITLE, WAY_COLUMNS, [_way_row(found, way) for way in product(KNOWLEDGE, PLACES)]),
         (TRUCK_TITLE, truck_columns, [_truck_row(one) for one in found]),
@@ -57,27 +63,28 @@ def tables(found: Sequence[Compared]) -> list[tuple[str, tuple[str, ...], list[t
     ]
 
 
-def shares(found: Sequence[Compared], figure: str, way: tuple[str, str], aside: float = 0.0) -> list[float]:
+def shares(found: Sequence[Comparison], figure: str, way: tuple[str, str], aside: float = 0.0) -> list[float]:
     """A figure as shares of what the learned cart pays in the middle. Only trucks that reach its error count, with the
     CoM at least so far aside (m)."""
-    every = [one.share(figure, way, FIRST) for one in found if one.job.aside >= aside]
+    every = [one.share(figure, way, BASELINE) for one in found if one.job.aside >= aside]
     return [share for share in every if isfinite(share)]
 
 
-def claims(found: Sequence[Compared]) -> list[Claim]:
+def claims(found: Sequence[Comparison]) -> list[Claim]:
     offset = [one for one in found if one.job.aside >= 0.1]
-    off = [(one, way) for one in found for way in (WRONG, KEPT) if _is_off(one, way)]
-    missed = sum(not one.paid[way, MIDDLE].is_equal(one.error) for one, way in off)
-    dearer = [one.paid[way, MIDDLE].force / one.paid[FIRST].force for one, way in off]
+    off = [(one, way) for one in found for way in (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT) if _is_off(one, way)]
+    missed = sum(not one.paid[way, MIDDLE_PLACE].is_equal(one.error) for one, way in off)
+    dearer = [one.paid[way, MIDDLE_PLACE].force / one.paid[BASELINE].force for one, way in off]
     dearer = [share for share in dearer if isfinite(share)]
-    kept = [1 / s for way in (WRONG, KEPT) for s in shares(found, "force", (way, MIDDLE))]
-    chosen, best = (shares(offset, "force", (LEARNED, place)) for place in (CHOSEN, BEST))
-    effort = shares(offset, "effort", (LEARNED, BEST))
-    both = [s for one in offset if one.job.hands == 2 for s in shares([one], "effort", (LEARNED, CHOSEN))]
+    kept = [1 / s for way in (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT) for s in shares(found, "force", (way, MIDDLE_PLACE))]
+    chosen, best = (shares(offset, "force", (LEARNED, place)) for place in (CHOSEN_PLACE, BEST_PLACE))
+    effort = shares(offset, "effort", (LEARNED, BEST_PLACE))
+    both = [s for one in offset if one.job.hands == 2 for s in shares([one], "effort", (LEARNED, CHOSEN_PLACE))]
     return [
         Claim(
             "guesses kept",
-            f"off by twice the mass or more: most do not reach the error at gains up to {GAINS[1]:g} times the usual",
+            f"off by twice the mass or more: most do not reach the error at gains up to {GAIN_RANGE[1]:g} times "
+            "the usual",
             f"{len(off) - missed} of {len(off)} reach it",
             missed > len(off) / 2,
         ),
@@ -88,21 +95,27 @@ def claims(found: Sequence[Compared]) -> list[Claim]:
             bool(np.median(dearer) >= 1.1),
             promised=False,
         ),
-        _at_most("learned", "20 % less rms force than a guess kept that has its error", kept, LESS, promised=False),
-        _at_most("offset CoM", "chosen places: 20 % less rms force than the middle", chosen, LESS, promised=False),
-        _at_most("offset CoM", "the best place by the truth: 20 % less rms force", best, LESS, promised=False),
+        _at_most(
+            "learned", "20 % less rms force than a guess kept that has its error", kept, MAX_FORCE_RATIO, promised=False
+        ),
+        _at_most(
+            "offset CoM", "chosen places: 20 % less rms force than the middle", chosen, MAX_FORCE_RATIO, promised=False
+        ),
+        _at_most(
+            "offset CoM", "the best place by the truth: 20 % less rms force", best, MAX_FORCE_RATIO, promised=False
+        ),
         _at_most("offset CoM", "the best place by the truth: 10 % less effort", effort, 0.9),
         _at_most("offset CoM, two hands", "chosen places: less effort than the middle", both, 1.0),
     ]
 
 
-def as_dict(one: Compared) -> dict[str, Any]:
+def as_dict(one: Comparison) -> dict[str, Any]:
     """The comparison as `--json` has it."""
     paid = {", ".join(way): vars(figures) for way, figures in one.paid.items()}
     return {**vars(one.job), "error": one.error, "paid": paid}
 
 
-def figure(found: Sequence[Compared]) -> Figure:
+def figure(found: Sequence[Comparison]) -> Figure:
     """Shares of rms force and effort by place against the CoM's offset, and of error against force by knowledge."""
     with house_style():
         page = Figure(figsize=(7.2, 4.6), layout="constrained")
@@ -130,12 +143,12 @@ def _at_most(where: str, words: str, found: Sequence[float], most: float, promis
     return Claim(where, words, told, middle <= most, promised)
 
 
-def _is_off(one: Compared, knowledge: str) -> bool:
-    believed = 15.0 if knowledge == WRONG else 40.0
+def _is_off(one: Comparison, knowledge: str) -> bool:
+    believed = 15.0 if knowledge == WRONG_GUESS_KEPT else 40.0
     return max(believed / one.job.mass, one.job.mass / believed) >= 2.0
 
 
-def _way_row(found: Sequence[Compared], way: tuple[str, str]) -> tuple[str, ...]:
+def _way_row(found: Sequence[Comparison], way: tuple[str, str]) -> tuple[str, ...]:
     paid = [(one.paid[way], one.error) for one in found]
     gains = [one.gain for one, error in paid if one.is_equal(error)]
     others = [one.error / error for one, error in paid if not one.is_equal(error) and isfinite(one.error)]
@@ -143,7 +156,7 @@ def _way_row(found: Sequence[Compared], way: tuple[str, str]) -> tuple[str, ...]
         ", ".join(way),
         f"{len(gains)} of {len(found)}",
         _median(gains),
-        *(_median(shares(found, name, way)) for name in SHARES),
+        *(_median(shares(found, name, way)) for name in SHARE_FIGURES),
         _median(others, "×"),
         str(sum(not isfinite(one.error) for one, _ in paid)),
     )
@@ -153,13 +166,13 @@ def _median(values: Sequence[float], unit: str = "") -> str:
     return f"{np.median(values):.2f}{unit}" if len(values) else "-"
 
 
-def _truck_row(one: Compared) -> tuple[str, ...]:
+def _truck_row(one: Comparison) -> tuple[str, ...]:
     job = one.job
     name = f"{job.hands} hand{'s' * (job.hands > 1)}, {job.mass:g} kg, {100 * job.aside:g} cm"
     return name, f"{1000 * one.error:.1f}", *(_cell(one.paid[way], one.error) for way in TRUCK_WAYS)
 
 
-def _cell(paid: Paid, error: float) -> str:
+def _cell(paid: RunCost, error: float) -> str:
     if not isfinite(paid.error):
         return "falls"
     if not paid.is_equal(error):
@@ -169,14 +182,15 @@ def _cell(paid: Paid, error: float) -> str:
 
 def _static_row(hands: int, alone: bool) -> tuple[str, ...]:
     found = [
-        best_by_statics(aside, hands, FORCES_ALONE) if alone else best_by_statics(aside, hands) for aside in OFFSETS
+        best_by_statics(aside, hands, FORCE_ONLY_MOMENT_WEIGHT) if alone else best_by_statics(aside, hands)
+        for aside in STATIC_COM_OFFSETS
     ]
     name = f"{hands}, that give {'forces alone' if alone else 'moments, too'}"
     return name, *(f"{force:.2f}; {effort:.2f}" for force, effort in found)
 
 
-def _draw_places(axes: Any, found: Sequence[Compared]) -> None:
-    for k, place in enumerate((BEST, CHOSEN)):
+def _draw_places(axes: Any, found: Sequence[Comparison]) -> None:
+    for k, place in enumerate((BEST_PLACE, CHOSEN_PLACE)):
         for name, style in (("force", "o-"), ("effort", "s--")):
             offsets = sorted({one.job.aside for one in found})
             every = [shares([one for one in found if one.job.aside == x], name, (LEARNED, place)) for x in offsets]
@@ -185,10 +199,14 @@ def _draw_places(axes: Any, found: Sequence[Compared]) -> None:
     axes.axhline(1.0, color="0.6", linewidth=0.8)
 
 
-def _draw_knowledge(axes: Any, found: Sequence[Compared]) -> None:
-    for k, knowledge in enumerate((WRONG, KEPT)):
-        ways = [(one, one.paid[knowledge, MIDDLE]) for one in found if isfinite(one.paid[knowledge, MIDDLE].error)]
-        force = [paid.force / one.paid[FIRST].force for one, paid in ways]
+def _draw_knowledge(axes: Any, found: Sequence[Comparison]) -> None:
+    for k, knowledge in enumerate((WRONG_GUESS_KEPT, USUAL_LOAD_KEPT)):
+        ways = [
+            (one, one.paid[knowledge, MIDDLE_PLACE])
+            for one in found
+            if isfinite(one.paid[knowledge, MIDDLE_PLACE].error)
+        ]
+        force = [paid.force / one.paid[BASELINE].force for one, paid in ways]
         axes.semilogx([p.error / one.error for one, p in ways], force, "ox"[k], color=OKABE_ITO[2 + k], label=knowledge)
     axes.axhline(1.0, color="0.6", linewidth=0.8)
     axes.axvline(1.0, color="0.6", linewidth=0.8)

@@ -28,21 +28,21 @@ from ..inertia import Inertia
 from ..logs import RunLog
 from ..model import CartModel
 from ..motion import Measurement, ParameterEstimate
-from ..simulation.outside import Outside, PushedPlant, nothing_outside
+from ..simulation.outside import PushedPlant, PushSource, no_pushes
 from ..simulation.plant import ModelPlant
 from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
 
-PERIOD = 0.01
-SETTLED = 1.0
+CONTROL_PERIOD = 0.01
+MOTION_SETTLING_TIME = 1.0
 """s, from which on motions are compared."""
 FILTER, REGRESSOR, PAPER, IDENTIFY = "filter", "regressor", "paper", "identify"
-ONLINE: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
+ONLINE_ESTIMATORS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     FILTER: CartFilter,
     REGRESSOR: RegressorEstimator,
     PAPER: PaperFilter,
 }
-WAYS = (*ONLINE, IDENTIFY)
+WAYS = (*ONLINE_ESTIMATORS, IDENTIFY)
 PATHS = {
     "straight": chain(straight(2.0, 0.6, 0.5), pause(0.5), straight(-2.0, 0.6, 0.5), pause(0.5)),
     "curves": chain(
@@ -51,7 +51,7 @@ PATHS = {
     ),
     "gentle": chain(speed_change(0.3, 0.1), turn(0.5, 0.2, 0.15), turn(-0.5, 0.2, 0.15), speed_change(-0.3, 0.1)),
 }
-SENSORS = {
+SENSOR_SETS = {
     "quiet": SensorNoise(0.0002, 0.0002, 0.001, 0.001, 0.3, 0.015),
     "usual": SensorNoise(0.0004, 0.0004, 0.005, 0.005, 3.0, 0.15),
     "poor": SensorNoise(0.005, 0.005, 0.02, 0.02, 6.0, 0.3),
@@ -111,18 +111,18 @@ def drive(job: Job, duration: float | None = None) -> RunLog:
     return drive_cart(truth(), job, duration).log
 
 
-def drive_cart(cart: CartModel, job: Job, duration: float | None = None, outside: Outside = nothing_outside) -> Drive:
+def drive_cart(cart: CartModel, job: Job, duration: float | None = None, outside: PushSource = no_pushes) -> Drive:
     """Any cart along the job's path, whatever else pushes it."""
-    plant, sensors = PushedPlant(ModelPlant(cart), outside), Sensors(cart, SENSORS[job.sensors], job.seed)
+    plant, sensors = PushedPlant(ModelPlant(cart), outside), Sensors(cart, SENSOR_SETS[job.sensors], job.seed)
     reference, tracker = PathReference(PATHS[job.path], cart.rolling), build_tracker(cart.constraints)
     rows, motions = [], []
-    for _ in range(round((duration or reference.duration) / PERIOD)):
+    for _ in range(round((duration or reference.duration) / CONTROL_PERIOD)):
         now, motion = plant.time, plant.motion
         given = shared(tracker.wrench_b(reference.at(now), motion, cart))
         sensed, felt = sensors.motion(now, motion), sensors.wrenches(now, given)
         rows.append(Measurement(now, sensed.pose, sensed.velocity, felt.wrenches, felt.contacts))
         motions.append(np.concatenate([motion.pose_sb, motion.velocity]))
-        plant.step(given, PERIOD)
+        plant.step(given, CONTROL_PERIOD)
     return Drive(RunLog.from_measurements(rows, list(HANDS)), np.array(motions))
 
 
@@ -148,22 +148,22 @@ def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:
     if way == IDENTIFY:
         found = identify([log], guess(), noise=noise)
         return Answer(found.parameters, "", (time.process_time() - begin) / len(log))
-    told = replay(log, ONLINE[way](guess(), list(HANDS), noise=noise))
+    told = replay(log, ONLINE_ESTIMATORS[way](guess(), list(HANDS), noise=noise))
     step_time = (time.process_time() - begin) / len(log)
     velocity = np.array([estimate.motion.velocity for estimate in told.estimates])
     with np.errstate(over="ignore"):  # the paper's filter may be anywhere
-        squares = np.square(velocity - driven.motion[:, 3:])[log.time >= SETTLED]
+        squares = np.square(velocity - driven.motion[:, 3:])[log.time >= MOTION_SETTLING_TIME]
     speed, yaw_rate = np.sqrt(squares.mean(axis=0))
     return Answer(dict(told.last.parameters), str(told.last.health), step_time, (float(speed), float(yaw_rate)))
 
 
 def attempt(job: Job) -> Trial:
     """Every estimator on one log."""
-    driven, noise = drive_cart(truth(), job), filter_noise(SENSORS[job.sensors])
+    driven, noise = drive_cart(truth(), job), filter_noise(SENSOR_SETS[job.sensors])
     return Trial(job, {way: answer(driven, way, noise) for way in WAYS})
 
 
 def run_trials(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Trial]:
     """Each path with each sensors and seed, over `workers` processes."""
-    jobs = [Job(path, sensors, seed) for path in PATHS for sensors in SENSORS for seed in seeds]
+    jobs = [Job(path, sensors, seed) for path in PATHS for sensors in SENSOR_SETS for seed in seeds]
     return run_all(attempt, jobs, workers, progress)

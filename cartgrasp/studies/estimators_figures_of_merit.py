@@ -11,7 +11,7 @@ import numpy as np
 from ..frames import Array
 from ..inertia import physical_from_phi
 from .claims import Claim
-from .estimators import FILTER, IDENTIFY, PATHS, REGRESSOR, SENSORS, WAYS, Trial, truth
+from .estimators import FILTER, IDENTIFY, PATHS, REGRESSOR, SENSOR_SETS, WAYS, Trial, truth
 
 PHYSICAL = ("mass", "com_x", "com_y", "inertia")
 COLUMNS = (
@@ -26,7 +26,7 @@ COLUMNS = (
 )
 MOTION_COLUMNS = ("path, sensors", "estimator", "u mm/s", "r mrad/s", "µs a row")
 BETTER_COLUMNS = ("path", "sensors", *PHYSICAL, "u", "r", "parameters by", "motion by")
-CLEARLY = 1.15
+CLEARLY_BETTER_RATIO = 1.15
 """The factor by which one must be better to be called so."""
 
 
@@ -90,14 +90,14 @@ def motion_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 
 
 def _scores(trials: Sequence[Trial]) -> Iterator[tuple[str, str, str, Score]]:
-    for path, sensors, way in product(PATHS, SENSORS, WAYS):
+    for path, sensors, way in product(PATHS, SENSOR_SETS, WAYS):
         yield path, sensors, way, score(case(trials, path, sensors), way)
 
 
 def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """Ratios of rms errors by case, and which of the two is better at parameters and at motion, in geometric means."""
     told: list[tuple[str, ...]] = []
-    for path, sensors in product(PATHS, SENSORS):
+    for path, sensors in product(PATHS, SENSOR_SETS):
         filters, regressors = (score(case(trials, path, sensors), way) for way in (FILTER, REGRESSOR))
         ratios = filters.errors / regressors.errors, filters.motion / regressors.motion
         figures = (f"{value:.2f}" for value in np.concatenate(ratios))
@@ -108,7 +108,7 @@ def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 def better(ratio: Array) -> str:
     """Which of the two is better, by the geometric mean of ratios of the filter's errors to the regressor's."""
     mean = float(np.exp(np.log(ratio).mean()))
-    return REGRESSOR if mean > CLEARLY else FILTER if mean < 1 / CLEARLY else "as good"
+    return REGRESSOR if mean > CLEARLY_BETTER_RATIO else FILTER if mean < 1 / CLEARLY_BETTER_RATIO else "as good"
 
 
 def claims(trials: Sequence[Trial]) -> list[Claim]:
@@ -117,7 +117,7 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
     within = all(abs(s.bias[0]) <= max(0.005 * mass, 2 * s.spread[0]) for s in usual)
     scores = {way: _honesty(trials, way) for way in WAYS}
     motions = {
-        way: np.array([score(case(trials, path, sensors), way).motion for path in PATHS for sensors in SENSORS])
+        way: np.array([score(case(trials, path, sensors), way).motion for path in PATHS for sensors in SENSOR_SETS])
         for way in (FILTER, REGRESSOR)
     }
     worst = float((motions[FILTER] / motions[REGRESSOR]).max())
@@ -150,7 +150,7 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
 
 def _honesty(trials: Sequence[Trial], way: str) -> float:
     """Rms of z over all cases."""
-    cases = [score(case(trials, path, sensors), way).z for path in PATHS for sensors in SENSORS]
+    cases = [score(case(trials, path, sensors), way).z for path in PATHS for sensors in SENSOR_SETS]
     return float(np.sqrt(np.mean(np.square(cases))))
 
 

@@ -35,21 +35,23 @@ from ..simulation.sensors import SensorNoise
 from .parallel import run_all
 from .scenario import Scenario, with_truth
 
-DWELL = 3.0
-FIXED, PERIODIC, CONTACTS = "fixed", "periodic", "chosen"
+DWELL_TIME = 3.0
+FIXED_WAY, PERIODIC_WAY, CHOSEN_WAY = "fixed", "periodic", "chosen"
 E_MOTION, D_MOTION = "weaving, E", "weaving, D"
 """The last three ways: `chosen` contacts keep to the path; the other two also weave by up to 3 cm."""
-WAYS = (FIXED, PERIODIC, CONTACTS, E_MOTION, D_MOTION)
+WAYS = (FIXED_WAY, PERIODIC_WAY, CHOSEN_WAY, E_MOTION, D_MOTION)
 ALLOWANCES = {
-    CONTACTS: Allowance(30.0, 0.0, E_OPTIMAL),
+    CHOSEN_WAY: Allowance(30.0, 0.0, E_OPTIMAL),
     E_MOTION: Allowance(30.0, 0.03, E_OPTIMAL),
     D_MOTION: Allowance(30.0, 0.03, D_OPTIMAL),
 }
 """N² beyond the least, mean over each window; m to either side."""
 PARAMETERS = ("mass", "com_x", "com_y", "inertia")
-KNOWN = frozenset({"viscous_drag"})
-NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
-FILTER_NOISE = FilterNoise(*(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment), disturbance=0.02, slip=0.0001)
+KNOWN_PARAMETERS = frozenset({"viscous_drag"})
+WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
+FILTER_NOISE = FilterNoise(
+    *(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment), disturbance=0.02, slip=0.0001
+)
 PLACES = ((-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8))
 
 
@@ -71,21 +73,21 @@ def scenario(way: str, seed: int) -> Scenario:
         guess=CartModel(Inertia(16.0, (-0.45, 0.0), 2.0), RollingConstraints(), (drag,)),
         arms=arms(),
         stretches=chain(speed_change(0.6), pause(4.0), *curves, pause(4.0), speed_change(-0.6)),
-        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, NOISE.force, NOISE.moment),
+        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment),
         noise=FILTER_NOISE,
-        contacts=PERIODIC if way == PERIODIC else FIXED,
-        choosing=Choosing(every=DWELL),
-        known=KNOWN,
+        contacts=PERIODIC_WAY if way == PERIODIC_WAY else FIXED_WAY,
+        choosing=Choosing(every=DWELL_TIME),
+        known=KNOWN_PARAMETERS,
         seed=seed,
     )
 
 
 def excitation(allowance: Allowance) -> ExcitationPlan:
     """Planned from the first guess and what the filter believes of it."""
-    base = scenario(FIXED, 0)
-    chooser = ExcitationChooser(base.guess, base.arms, NOISE, allowance)
+    base = scenario(FIXED_WAY, 0)
+    chooser = ExcitationChooser(base.guess, base.arms, WRENCH_NOISE, allowance)
     reference = PathReference(base.stretches, base.guess.rolling)
-    return plan_excitation(chooser, reference, first_information(base.guess), DWELL)
+    return plan_excitation(chooser, reference, first_information(base.guess), DWELL_TIME)
 
 
 def first_information(guess: CartModel) -> Array:
@@ -152,7 +154,7 @@ def taught(way: str) -> Array:
     if way in ALLOWANCES:
         return taught_by(excitation(ALLOWANCES[way]))
     base = scenario(way, 0)
-    source = PeriodicContacts(base.arms, DWELL) if way == PERIODIC else FixedContacts(base.arms)
+    source = PeriodicContacts(base.arms, DWELL_TIME) if way == PERIODIC_WAY else FixedContacts(base.arms)
     return _taught(PathReference(base.stretches, base.truth.rolling), source)
 
 
@@ -162,14 +164,14 @@ def taught_by(plan: ExcitationPlan) -> Array:
 
 
 def _taught(reference: ReferencePath, source: ContactSource) -> Array:
-    base = scenario(FIXED, 0)
+    base = scenario(FIXED_WAY, 0)
     cart = base.truth
-    times = (np.arange(round(reference.duration * NOISE.rate)) + 0.5) / NOISE.rate
+    times = (np.arange(round(reference.duration * WRENCH_NOISE.rate)) + 0.5) / WRENCH_NOISE.rate
     wanted = [reference.at(time) for time in times]
     states = np.array([cart.state(w.pose_sb, w.velocity) for w in wanted])
     regressors = parameter_regressor(cart, states, np.array([w.acceleration for w in wanted]))
     points = np.array([list(source.contacts(ContactQuery(time, np.zeros(3))).contacts.values()) for time in times])
-    each = fisher_information(regressors[:, None], reduced_noise(cart, points, NOISE))
+    each = fisher_information(regressors[:, None], reduced_noise(cart, points, WRENCH_NOISE))
     return np.asarray(first_information(base.guess) + each.sum(axis=0))
 
 

@@ -14,11 +14,11 @@ from ..information import phi_covariance
 from .claims import Claim
 from .excitation import (
     ALLOWANCES,
-    CONTACTS,
+    CHOSEN_WAY,
     E_MOTION,
-    FIXED,
+    FIXED_WAY,
     PARAMETERS,
-    PERIODIC,
+    PERIODIC_WAY,
     Drive,
     excitation,
     scenario,
@@ -28,8 +28,11 @@ from .excitation import (
 
 COLUMNS = ("way", *PARAMETERS, "effort N²·s", "tracking cm")
 PRICE_COLUMNS = ("allowed N²", "weave cm", *PARAMETERS, "effort N²·s")
-PRICES = (Allowance(0.0, 0.0, D_OPTIMAL), *(Allowance(effort, 0.03, D_OPTIMAL) for effort in (3.0, 10.0, 30.0, 100.0)))
-AGREEMENT, CONSISTENT = 1.5, 3.0
+PRICED_ALLOWANCES = (
+    Allowance(0.0, 0.0, D_OPTIMAL),
+    *(Allowance(effort, 0.03, D_OPTIMAL) for effort in (3.0, 10.0, 30.0, 100.0)),
+)
+MAX_STD_RATIO, MAX_ERROR_SIGMAS = 1.5, 3.0
 
 
 def bounds(way: str) -> Array:
@@ -38,14 +41,14 @@ def bounds(way: str) -> Array:
 
 
 def _bounds(information: Array) -> Array:
-    jacobian = physical_jacobian(scenario(FIXED, 0).truth.inertia.phi)
+    jacobian = physical_jacobian(scenario(FIXED_WAY, 0).truth.inertia.phi)
     return np.asarray(np.sqrt(np.diag(jacobian @ phi_covariance(information) @ jacobian.T)))
 
 
 def price_rows() -> list[tuple[str, ...]]:
     """By allowance (criterion D): what is foretold, and the whole effort as planned from the first guess."""
     found = []
-    for allowance in PRICES:
+    for allowance in PRICED_ALLOWANCES:
         plan = excitation(allowance)
         effort = sum(w.effort * (w.window[1] - w.window[0]) for w in plan.windows)
         cells = (f"{allowance.effort:g}", f"{100 * allowance.offset:g}")
@@ -68,7 +71,7 @@ def rows(drives: Sequence[Drive]) -> list[tuple[str, ...]]:
 
 def claims(drives: Sequence[Drive]) -> list[Claim]:
     by_way = {drive.way: drive for drive in drives}
-    fixed, periodic, contacts, motion = (_last(by_way[way]) for way in (FIXED, PERIODIC, CONTACTS, E_MOTION))
+    fixed, periodic, contacts, motion = (_last(by_way[way]) for way in (FIXED_WAY, PERIODIC_WAY, CHOSEN_WAY, E_MOTION))
     x, inertia = contacts[[1, 3]] / fixed[[1, 3]]
     gains = motion / np.minimum(fixed, periodic)
     ratios = np.array([_last(drive) / bounds(drive.way) for drive in drives])
@@ -76,7 +79,7 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     spent = max(w.effort - w.least_effort - a.effort for a in ALLOWANCES.values() for w in excitation(a).windows)
     return [
         Claim(
-            CONTACTS,
+            CHOSEN_WAY,
             "sd of CoM x and of inertia at most 0.6 of fixed contacts', on the same path",
             f"{x:.2f}, {inertia:.2f}",
             bool(max(x, inertia) <= 0.6),
@@ -89,11 +92,16 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
         ),
         Claim(
             "Fisher information",
-            f"foretells every sd of the filter within a factor {AGREEMENT:g}",
+            f"foretells every sd of the filter within a factor {MAX_STD_RATIO:g}",
             f"{ratios.min():.2f} to {ratios.max():.2f}",
-            bool(ratios.max() <= AGREEMENT and ratios.min() >= 1 / AGREEMENT),
+            bool(ratios.max() <= MAX_STD_RATIO and ratios.min() >= 1 / MAX_STD_RATIO),
         ),
-        Claim("errors", f"at most {CONSISTENT:g} sd (rms over seeds)", f"{worst:.2f} sd", bool(worst <= CONSISTENT)),
+        Claim(
+            "errors",
+            f"at most {MAX_ERROR_SIGMAS:g} sd (rms over seeds)",
+            f"{worst:.2f} sd",
+            bool(worst <= MAX_ERROR_SIGMAS),
+        ),
         Claim(
             "effort",
             "no window plans more than the allowance beyond the least",

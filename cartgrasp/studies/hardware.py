@@ -30,19 +30,19 @@ from ..motion import Measurement, Motion
 from ..simulation.sensors import SensorNoise, Sensors
 from .motion_bound import TrueMotion, information_of
 from .parallel import run_all
-from .shopping_cart import FIRM, WHEELS
+from .shopping_cart import FIRM_GAINS, WHEELS
 
-PERIOD = 0.01
-HAND, POINT = "hand", (-0.25, 0.0, 1.0)
-SENSORS = SensorNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15)
-NOISE = FilterNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15, disturbance=0.05)
+CONTROL_PERIOD = 0.01
+HAND, HAND_POINT = "hand", (-0.25, 0.0, 1.0)
+SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15)
+FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15, disturbance=0.05)
 PRIOR = Prior(mass=0.6, com=0.15, inertia=0.6, effects=0.5)
-JUMPS, JUMP = 0.01, 0.3
+JUMP_PROBABILITY, JUMP_STD = 0.01, 0.3
 """Share of velocities that jump, and by how much (m/s, rad/s)."""
-LEAST_SPEED = 0.05
-SEEDS_APART = 1000
+MIN_LEARNING_SPEED = 0.05
+SEED_STRIDE = 1000
 """By kilogram: no two loads share their noise."""
-WITH, WITHOUT = "casters swing", "casters left out"
+WITH_CASTERS, WITHOUT_CASTERS = "casters swing", "casters left out"
 
 
 @dataclass(frozen=True)
@@ -52,7 +52,7 @@ class Experiment:
     name: str
     mass: float
     path: tuple[Stretch, ...]
-    casters: str = WITHOUT
+    casters: str = WITHOUT_CASTERS
 
     @property
     def cart(self) -> CartModel:
@@ -67,29 +67,31 @@ class Experiment:
     def guess(self) -> CartModel:
         """What is believed at first, whatever the load."""
         effects: tuple[Effect, ...] = (ViscousDrag(linear=3.0, angular=1.0), RollingResistance(coefficient=0.02))
-        if self.casters == WITH:
+        if self.casters == WITH_CASTERS:
             effects += (CasterRealignment(swivel_torque=0.06),)
         return CartModel(Inertia(30.0, (0.3, 0.0), 3.0), effects=effects, wheels=WHEELS, com_height=0.45)
 
 
-RUN = chain(straight(10.0, 0.5, 0.5))
-BEND = 0.05
+STRAIGHT_RUN = chain(straight(10.0, 0.5, 0.5))
+STOP_YAW_RATE = 0.05
 """rad/s, of yaw, with which a leg of push and pull goes into its stop: casters that are pushed back along a perfect
 line stay poised on their turning point for a metre and more, and no hands and no floor are that straight."""
 
 
 def leg(way: int) -> tuple[Stretch, ...]:
     """2.5 m forth (1) or back (-1), and a rest."""
-    into, stop = Stretch(0.5, 0.0, way * BEND / 0.5), Stretch(0.8, -way * 0.5, -way * BEND / 0.8)
+    into, stop = Stretch(0.5, 0.0, way * STOP_YAW_RATE / 0.5), Stretch(0.8, -way * 0.5, -way * STOP_YAW_RATE / 0.8)
     return chain(speed_change(way * 0.4), pause(4.95), [into, stop], pause(0.5))
 
 
 PUSH_PULL = chain(*(leg(way) for way in (1, -1) * 4))
 TURNING = chain(*(speed_change(0.45), turn(1.2, 0.3, 0.5), turn(-1.2, 0.3, 0.5), pause(0.5), speed_change(-0.45))) * 3
-STRAIGHT = tuple(Experiment(f"E{i}", mass, RUN) for i, mass in enumerate((15.0, 25.0, 35.0, 45.0), 1))
-REVERSALS = tuple(Experiment("E5", 29.7, PUSH_PULL, casters) for casters in (WITH, WITHOUT))
-HEAVY = tuple(Experiment(f"{mass:.0f} kg", mass, TURNING, WITH) for mass in (60.0, 80.0))
-EXPERIMENTS = (*STRAIGHT, *REVERSALS, *HEAVY)
+STRAIGHT_EXPERIMENTS = tuple(
+    Experiment(f"E{i}", mass, STRAIGHT_RUN) for i, mass in enumerate((15.0, 25.0, 35.0, 45.0), 1)
+)
+REVERSAL_EXPERIMENTS = tuple(Experiment("E5", 29.7, PUSH_PULL, casters) for casters in (WITH_CASTERS, WITHOUT_CASTERS))
+HEAVY_EXPERIMENTS = tuple(Experiment(f"{mass:.0f} kg", mass, TURNING, WITH_CASTERS) for mass in (60.0, 80.0))
+EXPERIMENTS = (*STRAIGHT_EXPERIMENTS, *REVERSAL_EXPERIMENTS, *HEAVY_EXPERIMENTS)
 
 
 @dataclass(frozen=True, eq=False)
@@ -123,28 +125,28 @@ def drive(experiment: Experiment) -> Drive:
     from ..simulation.mujoco_plant import MujocoPlant
 
     cart = experiment.cart
-    plant, tracker = MujocoPlant(cart), build_tracker(cart.constraints, FIRM)
+    plant, tracker = MujocoPlant(cart), build_tracker(cart.constraints, FIRM_GAINS)
     reference = PathReference(experiment.path, cart.rolling)
     motions, wrenches = [], []
-    for k in range(round(reference.duration / PERIOD)):
+    for k in range(round(reference.duration / CONTROL_PERIOD)):
         motion = plant.motion
-        fx, _, moment = tracker.wrench_b(reference.at(PERIOD * k), motion, cart)
-        wrench = np.array([fx, 0.0, 0.0, 0.0, 0.0, moment + POINT[1] * fx])
+        fx, _, moment = tracker.wrench_b(reference.at(CONTROL_PERIOD * k), motion, cart)
+        wrench = np.array([fx, 0.0, 0.0, 0.0, 0.0, moment + HAND_POINT[1] * fx])
         motions.append(motion)
         wrenches.append(wrench)
-        plant.step(ContactWrenches({HAND: wrench}, {HAND: np.array(POINT)}), PERIOD)
+        plant.step(ContactWrenches({HAND: wrench}, {HAND: np.array(HAND_POINT)}), CONTROL_PERIOD)
     return Drive(tuple(motions), np.array(wrenches))
 
 
 def record(experiment: Experiment, driven: Drive, seed: int) -> RunLog:
     """As sensors would."""
-    sensors, random = Sensors(experiment.cart, SENSORS, seed), np.random.default_rng([seed, 1])
+    sensors, random = Sensors(experiment.cart, SENSOR_NOISE, seed), np.random.default_rng([seed, 1])
     rows = []
     for k, (motion, wrench) in enumerate(zip(driven.motions, driven.wrenches, strict=True)):
-        now = PERIOD * k
+        now = CONTROL_PERIOD * k
         seen = sensors.motion(now, motion)
-        felt = sensors.wrenches(now, ContactWrenches({HAND: wrench}, {HAND: np.array(POINT)}))
-        jump = JUMP * random.standard_normal(3) * (random.random() < JUMPS)
+        felt = sensors.wrenches(now, ContactWrenches({HAND: wrench}, {HAND: np.array(HAND_POINT)}))
+        jump = JUMP_STD * random.standard_normal(3) * (random.random() < JUMP_PROBABILITY)
         velocity = None if seen.velocity is None else seen.velocity + jump
         rows.append(Measurement(now, seen.pose, velocity, felt.wrenches, felt.contacts))
     return RunLog.from_measurements(rows, [HAND])
@@ -158,9 +160,9 @@ def mass_bound(experiment: Experiment, driven: Drive) -> float:
     first = replace(experiment.guess, effects=experiment.guess.effects[:2])
     velocity = np.array([motion.velocity for motion in driven.motions])
     pose = np.array([motion.pose_sb for motion in driven.motions])
-    fast = np.abs(velocity[1:, 0] + velocity[:-1, 0]) / 2 >= LEAST_SPEED
-    noise = reduced_noise(cart, [POINT], ForceNoise(SENSORS.force, SENSORS.moment))
-    told = information_of(cart, TrueMotion(pose, velocity, PERIOD, fast), noise, SENSORS)
+    fast = np.abs(velocity[1:, 0] + velocity[:-1, 0]) / 2 >= MIN_LEARNING_SPEED
+    noise = reduced_noise(cart, [HAND_POINT], ForceNoise(SENSOR_NOISE.force, SENSOR_NOISE.moment))
+    told = information_of(cart, TrueMotion(pose, velocity, CONTROL_PERIOD, fast), noise, SENSOR_NOISE)
     information = told + np.linalg.inv(PRIOR.covariance(first))
     return float(np.sqrt(np.linalg.inv(information)[0, 0]))
 
@@ -168,8 +170,8 @@ def mass_bound(experiment: Experiment, driven: Drive) -> float:
 def reversal_times(driven: Drive) -> Array:
     """Where the cart, at speed, goes the other way than before, s."""
     u = np.array([motion.velocity[0] for motion in driven.motions])
-    at_speed = np.flatnonzero(np.abs(u) >= LEAST_SPEED)
-    return np.asarray(PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0])
+    at_speed = np.flatnonzero(np.abs(u) >= MIN_LEARNING_SPEED)
+    return np.asarray(CONTROL_PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0])
 
 
 def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
@@ -177,8 +179,10 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     driven = drive(experiment)
     mass, std, errors = [], [], []
     for i in range(runs):
-        estimator = CartFilter(experiment.guess, [HAND], noise=NOISE, prior=PRIOR, least_speed=LEAST_SPEED)
-        log = record(experiment, driven, seed + i + SEEDS_APART * round(experiment.mass))
+        estimator = CartFilter(
+            experiment.guess, [HAND], noise=FILTER_NOISE, prior=PRIOR, least_speed=MIN_LEARNING_SPEED
+        )
+        log = record(experiment, driven, seed + i + SEED_STRIDE * round(experiment.mass))
         found = [estimator.update(row).parameters["mass"] for row in log.measurements()]
         mass.append([one.value for one in found])
         std.append([one.std for one in found])
@@ -187,7 +191,7 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     true = physical_from_phi(experiment.cart.inertia.phi)
     return Outcome(
         experiment=experiment,
-        time=np.asarray(PERIOD * np.arange(len(driven))),
+        time=np.asarray(CONTROL_PERIOD * np.arange(len(driven))),
         mass=np.array(mass),
         std=np.array(std),
         errors=np.array(errors) - true,

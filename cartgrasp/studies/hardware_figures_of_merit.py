@@ -8,22 +8,22 @@ import numpy as np
 
 from ..frames import Array
 from .claims import Claim
-from .hardware import HEAVY, STRAIGHT, WITH, Outcome
+from .hardware import HEAVY_EXPERIMENTS, STRAIGHT_EXPERIMENTS, WITH_CASTERS, Outcome
 
 COLUMNS = (
     *("experiment", "model", "mass kg", "bias kg", "sd kg", "told sd kg", "bound kg", "in 95 % interval"),
     *("CoM x cm", "CoM y cm", "inertia %"),
 )
 REVERSAL_COLUMNS = ("model", "reversal s", "largest mean error kg", "largest rms error kg", "told sd kg")
-AFTER = 4.0
+REVERSAL_WINDOW = 4.0
 """s that a reversal is looked at: casters need 0.3 m, 7 trails, to swing round."""
-MOST_SCATTER, MOST_BIAS, COVERAGE, PAPERS = 1.15, 0.1, (0.93, 0.97), 0.5
-CERTAIN = 1.96
+MAX_SCATTER_RATIO, MAX_MASS_BIAS, COVERAGE_RANGE, PAPER_MASS_ERROR = 1.15, 0.1, (0.93, 0.97), 0.5
+COVERAGE_95_SIGMAS = 1.96
 
 
 def inside(outcome: Outcome) -> np.ndarray:
     """Whether the last 95 % interval of each run holds the true mass, (runs,)."""
-    return np.asarray(np.abs(outcome.errors[:, 0]) <= CERTAIN * outcome.std[:, -1])
+    return np.asarray(np.abs(outcome.errors[:, 0]) <= COVERAGE_95_SIGMAS * outcome.std[:, -1])
 
 
 def scatter(outcome: Outcome) -> float:
@@ -59,12 +59,12 @@ def _row(outcome: Outcome) -> tuple[str, ...]:
 
 
 def reversal_errors(outcome: Outcome) -> Array:
-    """(reversals, 3): of the mass within AFTER of each, the largest mean error by size, the largest rms error, and what
-    the filter says, kg."""
+    """(reversals, 3): of the mass within REVERSAL_WINDOW of each, the largest mean error by size, the largest rms
+    error, and what the filter says, kg."""
     error = outcome.mass - outcome.experiment.mass
     told = []
     for begin in outcome.reversals:
-        during = (outcome.time >= begin) & (outcome.time < begin + AFTER)
+        during = (outcome.time >= begin) & (outcome.time < begin + REVERSAL_WINDOW)
         mean = error[:, during].mean(axis=0)
         rms = np.sqrt((error[:, during] ** 2).mean(axis=0))
         told.append([mean[np.abs(mean).argmax()], rms.max(), outcome.std[:, during].mean()])
@@ -82,27 +82,27 @@ def reversal_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
 
 def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     """This project's: of straight runs, of reversals with the casters in the model, and of heavy loads."""
-    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT))
+    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT_EXPERIMENTS))
     ratios = [scatter(outcome) / outcome.bound for outcome in straight]
     biases = [float(outcome.errors[:, 0].mean()) for outcome in straight]
     covered = float(np.mean([inside(outcome) for outcome in straight]))
-    errors = [reversal_errors(one) for one in _of(outcomes, "E5") if one.experiment.casters == WITH]
+    errors = [reversal_errors(one) for one in _of(outcomes, "E5") if one.experiment.casters == WITH_CASTERS]
     reversed_by = float(np.abs(np.concatenate(errors)[:, 0]).max())
-    heavy = _of(outcomes, *(experiment.name for experiment in HEAVY))
+    heavy = _of(outcomes, *(experiment.name for experiment in HEAVY_EXPERIMENTS))
     com = [float(np.sqrt((outcome.errors[:, 1:3] ** 2).mean(axis=0)).max()) for outcome in heavy]
-    low, high = COVERAGE
+    low, high = COVERAGE_RANGE
     return [
         Claim(
             "E1 to E4",
-            f"scatter of the mass within {MOST_SCATTER} times the Cramér-Rao bound",
+            f"scatter of the mass within {MAX_SCATTER_RATIO} times the Cramér-Rao bound",
             ", ".join(f"{ratio:.2f}" for ratio in ratios),
-            max(ratios) <= MOST_SCATTER,
+            max(ratios) <= MAX_SCATTER_RATIO,
         ),
         Claim(
             "E1 to E4",
-            f"bias of the mass under {MOST_BIAS} kg",
+            f"bias of the mass under {MAX_MASS_BIAS} kg",
             ", ".join(f"{bias:+.2f}" for bias in biases),
-            max(map(abs, biases)) < MOST_BIAS,
+            max(map(abs, biases)) < MAX_MASS_BIAS,
         ),
         Claim(
             "E1 to E4",
@@ -112,9 +112,9 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
         ),
         Claim(
             "E5, casters swing",
-            f"mean mass within {PAPERS} kg within {AFTER:g} s of each reversal",
+            f"mean mass within {PAPER_MASS_ERROR} kg within {REVERSAL_WINDOW:g} s of each reversal",
             f"{reversed_by:.2f} kg",
-            reversed_by <= PAPERS,
+            reversed_by <= PAPER_MASS_ERROR,
         ),
         Claim("60 and 80 kg", "CoM within 2 cm (rms)", ", ".join(f"{100 * c:.1f} cm" for c in com), max(com) <= 0.02),
     ]
@@ -122,16 +122,16 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
 
 def paper_claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     """The paper's, of its Fig. 9."""
-    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT))
+    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT_EXPERIMENTS))
     errors = [float(np.abs(outcome.errors[:, 0]).mean()) for outcome in straight]
-    without = [one for one in _of(outcomes, "E5") if one.experiment.casters != WITH]
+    without = [one for one in _of(outcomes, "E5") if one.experiment.casters != WITH_CASTERS]
     over = [float(reversal_errors(one)[:, 0].max()) for one in without]
     return [
         Claim(
             "E1 to E4",
-            f"mass within {PAPERS} kg (mean size of the error)",
+            f"mass within {PAPER_MASS_ERROR} kg (mean size of the error)",
             ", ".join(f"{error:.2f}" for error in errors),
-            max(errors) <= PAPERS,
+            max(errors) <= PAPER_MASS_ERROR,
             promised=False,
         ),
         Claim(

@@ -13,7 +13,7 @@ from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
 from .hardware import Outcome
 
-WIDE = 0.4
+MASS_MARGIN_FRACTION = 0.4
 """Share of the mass that is shown above and below it."""
 
 
@@ -28,7 +28,9 @@ def draw_mass(axes: Axes, outcome: Outcome) -> None:
     axes.axhline(mass, color="black", linewidth=0.8, label="truth")
     for i, time in enumerate(outcome.reversals):
         axes.axvline(time, color=OKABE_ITO[2], linewidth=0.6, linestyle=":", label="" if i else "reversals")
-    axes.set(ylim=(mass * (1 - WIDE), mass * (1 + WIDE)), xlim=(0.0, float(outcome.time[-1])))
+    axes.set(
+        ylim=(mass * (1 - MASS_MARGIN_FRACTION), mass * (1 + MASS_MARGIN_FRACTION)), xlim=(0.0, float(outcome.time[-1]))
+    )
     axes.set_title(", ".join(dict.fromkeys((outcome.experiment.name, f"{mass:g} kg", outcome.experiment.casters))))
 
 

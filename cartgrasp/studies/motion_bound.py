@@ -17,7 +17,7 @@ from ..frames import Array
 from ..model import CartModel
 from ..simulation.sensors import SensorNoise
 
-KINEMATIC = 1e-6
+KINEMATIC_STD = 1e-6
 """m or rad: how exactly the way is the integral of the velocity."""
 
 
@@ -69,7 +69,7 @@ def _motion_rows(cart: CartModel, motion: TrueMotion, sensors: SensorNoise) -> c
     velocities, poses = kron(diags([1.0], shape=(n, n)), seen[1]), kron(diags([1.0], shape=(n, n)), seen[0])
     mean = diags([0.5, 0.5], [0, 1], shape=(n - 1, n)) * -motion.period
     way = kron(diags([-1.0, 1.0], [0, 1], shape=(n - 1, n)), one)
-    tied = hstack([kron(mean, one), way]) / KINEMATIC
+    tied = hstack([kron(mean, one), way]) / KINEMATIC_STD
     return csc_matrix(vstack([block_diag([velocities, poses]), tied]))
 
 

@@ -32,23 +32,23 @@ from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
 from .shopping_cart import WHEELS
 
-NOMINAL, ROBUST, KNOWN = "no margins", "99 % margins", "cart known"
-WAYS = (NOMINAL, ROBUST, KNOWN)
+NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"
+WAYS = (NOMINAL, ROBUST, CART_KNOWN)
 CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 15.0, 0.5
-PERIOD = 0.01
+CONTROL_PERIOD = 0.01
 PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
-SENSORS = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
-NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0001)
-STRAIGHT = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
-CURVED = (
+SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
+FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0001)
+STRAIGHT_LAP = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
+CURVED_LAP = (
     Stretch(0.4, 1.0, 3.0),
     Stretch(0.4, 1.0, -3.0),
     Stretch(0.2, -2.0, -3.0),
     Stretch(0.2, -2.0, 3.0),
     *pause(0.2),
 )
-PATH = (*STRAIGHT, *STRAIGHT, *CURVED, *CURVED)
-LAPS = (0.0, 1.0, 2.0, 3.4, 4.8)
+PATH = (*STRAIGHT_LAP, *STRAIGHT_LAP, *CURVED_LAP, *CURVED_LAP)
+LAP_TIMES = (0.0, 1.0, 2.0, 3.4, 4.8)
 """s: when each of them begins, and the end."""
 
 
@@ -130,20 +130,20 @@ class Drive:
 
     def __init__(self, seed: int) -> None:
         self.truth, guess = drawn(seed), believed()
-        self._plant, self._sensors = ModelPlant(self.truth), Sensors(self.truth, SENSORS, seed)
-        self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=NOISE, prior=PRIOR)
+        self._plant, self._sensors = ModelPlant(self.truth), Sensors(self.truth, SENSOR_NOISE, seed)
+        self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=FILTER_NOISE, prior=PRIOR)
         self._reference = PathReference(PATH, guess.rolling)
         self._tracker = build_tracker(guess.constraints)
         limits = (TipOver(LEAST_LOAD), Skid(FRICTION))
         self._planners = [
-            WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=PERIOD)
+            WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
             for sure in (None, CONFIDENCE, None)
         ]
 
     def ticks(self, duration: float | None) -> Iterator[Tick]:
         """The ticks to the end of the path, or for a duration, s."""
         seconds = self._reference.duration if duration is None else duration
-        for _ in range(round(seconds / PERIOD)):
+        for _ in range(round(seconds / CONTROL_PERIOD)):
             yield self._tick()
 
     def _tick(self) -> Tick:
@@ -152,7 +152,7 @@ class Drive:
         plans = self._answers(self._reference.at(time), estimate)
         given = plans[1].contact_wrenches
         self._filter.update(self._sensors.wrenches(time, given))
-        self._plant.step(given, PERIOD)
+        self._plant.step(given, CONTROL_PERIOD)
         return Tick(
             time=time,
             statuses=tuple(plan.status for plan in plans),

@@ -10,10 +10,10 @@ import numpy as np
 
 from ..frames import Array
 from .claims import Claim
-from .robust_margins import CONFIDENCE, LAPS, WAYS, Run
+from .robust_margins import CONFIDENCE, LAP_TIMES, WAYS, Run
 
 COLUMNS = ("lap", "sd of CoM x cm", "largest margin N", *(f"broken, {way} %" for way in WAYS[:2]), "effort", "paid")
-BEYOND = 0.1
+LIMIT_TOLERANCE = 0.1
 """N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 
 
@@ -35,7 +35,7 @@ class Lap:
 
 def laps(runs: Sequence[Run]) -> list[Lap]:
     """What each lap was like."""
-    return [_lap(runs, begin, end) for begin, end in pairwise(LAPS)]
+    return [_lap(runs, begin, end) for begin, end in pairwise(LAP_TIMES)]
 
 
 def rows(runs: Sequence[Run]) -> list[tuple[str, ...]]:
@@ -56,7 +56,7 @@ def rows(runs: Sequence[Run]) -> list[tuple[str, ...]]:
 def claims(runs: Sequence[Run]) -> list[Claim]:
     found = laps(runs)
     hard = np.concatenate([run.is_hard for run in runs])
-    broken = np.concatenate([run.room < -BEYOND for run in runs])[hard]
+    broken = np.concatenate([run.room < -LIMIT_TOLERANCE for run in runs])[hard]
     share, plain = float(broken[:, 1].mean()), float(broken[:, 0].mean())
     shrunk = found[-1].reserve / found[0].reserve
     unproven = sum(tick.statuses[1] not in ("optimal", "relaxed") for run in runs for tick in run.ticks)
@@ -97,7 +97,7 @@ def as_dict(run: Run) -> dict[str, object]:
 
 def _lap(runs: Sequence[Run], begin: float, end: float) -> Lap:
     chosen = [(run, (run.time >= begin - 1e-9) & (run.time < end - 1e-9)) for run in runs]
-    broken = np.concatenate([run.room[now & run.is_hard] < -BEYOND for run, now in chosen])
+    broken = np.concatenate([run.room[now & run.is_hard] < -LIMIT_TOLERANCE for run, now in chosen])
     return Lap(
         com_x_std=float(np.sqrt(np.mean([run.com_x_std[now][-1] ** 2 for run, now in chosen]))),
         reserve=float(np.mean([run.reserve[now & run.is_hard].max(initial=0.0) for run, now in chosen])),

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .robust_margins import LAPS, WAYS, Run
+from .robust_margins import LAP_TIMES, WAYS, Run
 
 STYLES = ("--", "-", ":")
 
@@ -56,10 +56,10 @@ def figure_robust_margins(runs: Sequence[Run]) -> Figure:
         figure = Figure(figsize=(7.2, 5.6), layout="constrained")
         axes = figure.subplots(3, 1, sharex=True)
         for panel, draw in zip(axes, (draw_reserve, draw_room, draw_effort), strict=True):
-            panel.axvspan(LAPS[2], LAPS[-1], color="0.94", zorder=0)
+            panel.axvspan(LAP_TIMES[2], LAP_TIMES[-1], color="0.94", zorder=0)
             draw(panel, runs)
             panel.label_outer()
-        for start, stop, path in ((0.0, LAPS[2], "straight"), (LAPS[2], LAPS[-1], "curved")):
+        for start, stop, path in ((0.0, LAP_TIMES[2], "straight"), (LAP_TIMES[2], LAP_TIMES[-1], "curved")):
             axes[0].text((start + stop) / 2, 0.97, path, transform=axes[0].get_xaxis_transform(), ha="center", va="top")
         figure.legend(*axes[2].get_legend_handles_labels(), loc="outside upper center", ncols=3)
     return figure

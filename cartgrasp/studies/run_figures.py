@@ -10,7 +10,7 @@ import numpy as np
 from ..frames import Array
 from ..simulation.record import RunRecord, Series
 
-SETTLING = 5.0
+TRACKING_SETTLING_TIME = 5.0
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,9 @@ class RunFigures:
             duration=float(record.time[-1]),
             largest_error=float(error.max()),
             rms_error=float(np.sqrt((error**2).mean())),
-            error_after_5=float(error[record.time >= SETTLING].max()) if record.time[-1] >= SETTLING else float("nan"),
+            error_after_5=float(error[record.time >= TRACKING_SETTLING_TIME].max())
+            if record.time[-1] >= TRACKING_SETTLING_TIME
+            else float("nan"),
             plans=len(record.statuses),
             optimal=sum(status == "optimal" for status in record.statuses),
             regrasps=sum(_regrasps(contact) for contact in contacts),

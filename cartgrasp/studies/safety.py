@@ -38,37 +38,37 @@ from ..wheels import CASTER, FIXED, Wheel
 from .parallel import run_all
 from .scenario import FIRST_GUESS, LEARNING, Scenario
 
-BLIND, GUESSED, ESTIMATED, SURE, KNOWN = (
+BLIND, GUESSED, ESTIMATED, CONFIDENT, TRUTH_KNOWN = (
     *("no limits", "limits of the first guess", "limits of the estimate"),
     *("limits of the estimate, 99 %", "limits of the true cart"),
 )
-TWICE, THRICE = "99 %, guess twice as unsure", "99 %, guess three times as unsure"
-WAYS = (BLIND, GUESSED, ESTIMATED, SURE, TWICE, THRICE, KNOWN)
-TIMES = {TWICE: 2.0, THRICE: 3.0}
+GUESS_STD_TWICE, GUESS_STD_THRICE = "99 %, guess twice as unsure", "99 %, guess three times as unsure"
+WAYS = (BLIND, GUESSED, ESTIMATED, CONFIDENT, GUESS_STD_TWICE, GUESS_STD_THRICE, TRUTH_KNOWN)
+GUESS_STD_FACTORS = {GUESS_STD_TWICE: 2.0, GUESS_STD_THRICE: 3.0}
 """As wide deviations of the first guess, with which margins give way, and a cautious controller slows down."""
-MOST_LATE = 10.0
+MAX_ARRIVAL_DELAY = 10.0
 """s that such a cart may be late."""
 CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 5.0, 0.5
 LIMITS = (TipOver(LEAST_LOAD), Skid(FRICTION))
 DISTURBANCE = 0.5
 """N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
-BEYOND = 0.1
+LIMIT_TOLERANCE = 0.1
 """N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 WHEELS = (
     *(Wheel(FIXED, 0.0, y) for y in (0.3, -0.3)),
     *(Wheel(CASTER, 0.72, y, trail=0.045) for y in (0.28, -0.28)),
 )
-MASS, COM_X, COM_Y, HEIGHTS = (10.0, 100.0), (0.1, 0.6), (-0.15, 0.15), (0.5, 1.0)
-STANDS = 2.0
+MASS_RANGE, COM_X_RANGE, COM_Y_RANGE, HEIGHT_RANGE = (10.0, 100.0), (0.1, 0.6), (-0.15, 0.15), (0.5, 1.0)
+MIN_REST_LOAD_RATIO = 2.0
 """Times its least load that each wheel of a drawn cart carries at rest."""
-UNSURE = 0.15, 0.04, 0.04, 0.3
+GUESS_DEVIATIONS = 0.15, 0.04, 0.04, 0.3
 """Standard deviations of a first guess: shares of mass and inertia, m of the CoM."""
 PATH = (
     *(Stretch(0.8, 1.0), *pause(0.3)),
     *(Stretch(0.4, 0.0, 2.0), *pause(0.6), Stretch(0.8, 0.0, -2.0), *pause(0.6), Stretch(0.4, 0.0, 2.0)),
     *(Stretch(0.4, -2.0), *pause(0.4)),
 )
-WAIT, THERE, STILL = 2.0, 0.05, 0.05
+ARRIVAL_WAIT, ARRIVAL_DISTANCE, ARRIVAL_SPEED = 2.0, 0.05, 0.05
 """s that a cart may be late, m from the end at which it has arrived, m/s."""
 
 
@@ -77,13 +77,13 @@ def drawn(seed: int, times: float = 1.0) -> tuple[CartModel, CartModel]:
     drawn again."""
     random = np.random.default_rng([7, seed])
     while True:
-        mass, x, y, height = (random.uniform(*span) for span in (MASS, COM_X, COM_Y, HEIGHTS))
+        mass, x, y, height = (random.uniform(*span) for span in (MASS_RANGE, COM_X_RANGE, COM_Y_RANGE, HEIGHT_RANGE))
         truth = _cart((mass, x, y, mass * random.uniform(0.08, 0.16)), height)
-        if (truth.wheel_set.loads(truth.inertia.phi) > STANDS * LEAST_LOAD).all():
+        if (truth.wheel_set.loads(truth.inertia.phi) > MIN_REST_LOAD_RATIO * LEAST_LOAD).all():
             break
     body = truth.inertia
     values = np.array([body.mass, *body.com, body.about_com])
-    std = times * np.array(UNSURE) * [body.mass, 1.0, 1.0, body.about_com]
+    std = times * np.array(GUESS_DEVIATIONS) * [body.mass, 1.0, 1.0, body.about_com]
     while True:
         try:
             guess = _cart(values + std * random.normal(size=4).clip(-2.5, 2.5), height)
@@ -122,7 +122,7 @@ class Run:
 
     @property
     def violates(self) -> bool:
-        return self.fell or bool(self.room.min() < -BEYOND)
+        return self.fell or bool(self.room.min() < -LIMIT_TOLERANCE)
 
 
 class WatchedPlant:
@@ -164,40 +164,45 @@ def room(truth: CartModel, motion: Motion, wrench_b: Array) -> float:
 def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenario:
     return Scenario(
         truth=truth,
-        guess=replace(truth, first_guess=guess.first_guess) if way == KNOWN else guess,
+        guess=replace(truth, first_guess=guess.first_guess) if way == TRUTH_KNOWN else guess,
         arms=arms(),
         stretches=PATH,
         sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05),
         noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=DISTURBANCE, slip=0.0005),
         known=frozenset({"viscous_drag", "rolling_resistance"}),
-        estimation=FIRST_GUESS if way in (GUESSED, KNOWN) else LEARNING,
+        estimation=FIRST_GUESS if way in (GUESSED, TRUTH_KNOWN) else LEARNING,
         seed=seed,
     )
 
 
 def drive(seed: int, way: str, duration: float | None = None) -> Run:
     """One run, whole or of a duration (s)."""
-    truth, guess = drawn(seed, TIMES.get(way, 1.0))
+    truth, guess = drawn(seed, GUESS_STD_FACTORS.get(way, 1.0))
     made = scenario(truth, guess, way, seed)
-    sure = CONFIDENCE if way in (SURE, *TIMES) else None
+    sure = CONFIDENCE if way in (CONFIDENT, *GUESS_STD_FACTORS) else None
     limits: dict[str, Any] = {"cart_limits": () if way == BLIND else LIMITS, "confidence": sure}
-    limits |= {"caution": Caution() if way in TIMES else None}
+    limits |= {"caution": Caution() if way in GUESS_STD_FACTORS else None}
     plant, end = WatchedPlant(truth), PathReference(PATH)
     controller = made.controller(**limits)
     controller.warm_up()
     loop = Loop(controller, plant, Sensors(truth, made.sensors, seed))
     fell = False
     try:
-        run(loop, end.duration + (MOST_LATE if way in TIMES else WAIT) if duration is None else duration)
+        run(
+            loop,
+            end.duration + (MAX_ARRIVAL_DELAY if way in GUESS_STD_FACTORS else ARRIVAL_WAIT)
+            if duration is None
+            else duration,
+        )
     except PlantError:
         fell = True
     goal, period = end.at(end.duration).pose_sb[:2], made.period
     away = np.array([np.hypot(*(motion.pose_sb[:2] - goal)) for motion in plant.motions])
     speed = np.array([abs(motion.velocity[0]) for motion in plant.motions])
-    late = np.flatnonzero((away > THERE) | (speed > STILL))
+    late = np.flatnonzero((away > ARRIVAL_DISTANCE) | (speed > ARRIVAL_SPEED))
     never = fell or not len(late) or late[-1] == len(away) - 1
     arrived = inf if never else period * float(late[-1] + 1)
-    usual = min(len(plant.efforts), round((end.duration + WAIT) / period))
+    usual = min(len(plant.efforts), round((end.duration + ARRIVAL_WAIT) / period))
     effort = float(np.sum(plant.efforts)) / usual
     return Run(seed, way, np.array(plant.room), np.array(plant.loads), effort, arrived, fell)
 

@@ -11,11 +11,11 @@ from matplotlib.figure import Figure
 
 from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
-from .safety import BEYOND, BLIND, CONFIDENCE, ESTIMATED, KNOWN, LEAST_LOAD, SURE, WAYS, Run
+from .safety import BLIND, CONFIDENCE, CONFIDENT, ESTIMATED, LEAST_LOAD, LIMIT_TOLERANCE, TRUTH_KNOWN, WAYS, Run
 
 TITLE = (
-    f"Drawn carts that break a true limit ({LEAST_LOAD:g} N on each wheel, or skid) by more than {BEYOND:g} N in any "
-    "tick; effort and arrival by those of the cart known are medians"
+    f"Drawn carts that break a true limit ({LEAST_LOAD:g} N on each wheel, or skid) by more than {LIMIT_TOLERANCE:g} N "
+    "in any tick; effort and arrival by those of the cart known are medians"
 )
 COLUMNS = ("way", "carts", "broken", "fell", "by at most N", "wheel off", "effort", "of known", "arrived", "later s")
 
@@ -29,19 +29,19 @@ def claims(runs: Sequence[Run]) -> list[Claim]:
     broken = {way: [run.violates for run in _of(runs, way)] for way in WAYS}
     told = {way: f"{sum(each)} of {len(each)}" for way, each in broken.items()}
     asked = f"{100 * (1 - CONFIDENCE):g} %"
-    late, effort = _later(runs, SURE), _effort(runs, SURE)
-    within = sum(broken[SURE]) <= (1 - CONFIDENCE) * len(broken[SURE])
+    late, effort = _later(runs, CONFIDENT), _effort(runs, CONFIDENT)
+    within = sum(broken[CONFIDENT]) <= (1 - CONFIDENCE) * len(broken[CONFIDENT])
     return [
-        Claim(SURE, f"at most {asked} of carts break a true limit", told[SURE], within),
+        Claim(CONFIDENT, f"at most {asked} of carts break a true limit", told[CONFIDENT], within),
         Claim(BLIND, "20 % or more of carts break one", told[BLIND], sum(broken[BLIND]) >= 0.2 * len(broken[BLIND])),
         Claim(
             ESTIMATED,
             "without margins more carts break one",
             told[ESTIMATED],
-            sum(broken[ESTIMATED]) > sum(broken[SURE]),
+            sum(broken[ESTIMATED]) > sum(broken[CONFIDENT]),
         ),
-        Claim(SURE, "effort at most twice that of the cart known", f"{effort:.2f} times", effort <= 2.0),
-        Claim(SURE, "arrives, in the median, within 1 s of the cart known", f"{late:.2f} s later", late <= 1.0),
+        Claim(CONFIDENT, "effort at most twice that of the cart known", f"{effort:.2f} times", effort <= 2.0),
+        Claim(CONFIDENT, "arrives, in the median, within 1 s of the cart known", f"{late:.2f} s later", late <= 1.0),
     ]
 
 
@@ -56,11 +56,11 @@ def figure(runs: Sequence[Run]) -> Figure:
     with house_style():
         page = Figure(figsize=(7.2, 3.0), layout="constrained")
         worst, paid = page.subplots(1, 2)
-        known = {run.seed: run.effort for run in _of(runs, KNOWN)}
+        known = {run.seed: run.effort for run in _of(runs, TRUTH_KNOWN)}
         for k, way in enumerate(WAYS):
             ours = _of(runs, way)
             worst.plot(sorted(float(run.room.min()) for run in ours), color=OKABE_ITO[k], label=way)
-            if way != KNOWN:
+            if way != TRUTH_KNOWN:
                 paid.loglog([known[run.seed] for run in ours], [run.effort for run in ours], ".", color=OKABE_ITO[k])
         ends = np.array([min(known.values()), max(known.values())])
         paid.plot(ends, ends, color="0.6", linewidth=0.8)
@@ -94,12 +94,12 @@ def _row(runs: Sequence[Run], way: str) -> tuple[str, ...]:
 
 def _effort(runs: Sequence[Run], way: str) -> float:
     """By that of the cart known, the median over carts that did not fall."""
-    pairs = zip(_of(runs, way), _of(runs, KNOWN), strict=True)
+    pairs = zip(_of(runs, way), _of(runs, TRUTH_KNOWN), strict=True)
     return float(np.median([run.effort / known.effort for run, known in pairs if not run.fell]))
 
 
 def _later(runs: Sequence[Run], way: str) -> float:
     """s after the cart known, the median over carts that arrive both times."""
-    pairs = zip(_of(runs, way), _of(runs, KNOWN), strict=True)
+    pairs = zip(_of(runs, way), _of(runs, TRUTH_KNOWN), strict=True)
     late = [run.arrived - known.arrived for run, known in pairs if isfinite(run.arrived) and isfinite(known.arrived)]
     return float(np.median(late)) if late else np.nan

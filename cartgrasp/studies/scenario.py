@@ -26,7 +26,7 @@ from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise, Sensors
 
 LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
-USUAL = Choosing()
+DEFAULT_CHOOSING = Choosing()
 MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"
 
 
@@ -48,7 +48,7 @@ class Scenario:
     estimation: str = LEARNING
     plant: str = MODEL_PLANT
     contacts: str = FIXED
-    choosing: Choosing = USUAL
+    choosing: Choosing = DEFAULT_CHOOSING
     regrasp: RegraspTimes | None = None
     cart_limits: tuple[CartLimit, ...] = ()
     confidence: float | None = None

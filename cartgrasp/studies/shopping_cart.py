@@ -25,8 +25,8 @@ WHEELS = (
     Wheel(CASTER, 0.72, 0.2, trail=0.045),
     Wheel(CASTER, 0.72, -0.2, trail=0.045),
 )
-SENSORS = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
-FIRM = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
+SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
+FIRM_GAINS = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
 
 
 def arms() -> tuple[Arm, ...]:
@@ -58,7 +58,7 @@ def first_guess(with_effects: bool = True) -> CartModel:
     return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="first guess")
 
 
-NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005)
+FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005)
 
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:
@@ -88,11 +88,11 @@ def scenario(with_effects: bool = True, quick: bool = False, seed: int = 0, plan
         guess=first_guess(with_effects),
         arms=arms(),
         stretches=push_and_pull(quick),
-        sensors=SENSORS,
-        noise=NOISE,
+        sensors=SENSOR_NOISE,
+        noise=FILTER_NOISE,
         contacts=LEAST_EFFORT,
         choosing=Choosing(every=4.0),
-        gains=FIRM,
+        gains=FIRM_GAINS,
         plant=plant,
         seed=seed,
     )

@@ -27,9 +27,9 @@ from ..simulation.sensors import SensorNoise
 from .parallel import run_all
 from .scenario import FIRST_GUESS, LEARNING, PAPER, Scenario, total_duration
 
-DURATION = 30.0
+TEST_DURATION = 30.0
 TRUE_MASS, TRUE_INERTIA = 20.0, 2.0
-MODES = (LEARNING, FIRST_GUESS, PAPER)
+ESTIMATION_MODES = (LEARNING, FIRST_GUESS, PAPER)
 MASS_STEPS = ((9.0, 5.0, 0.4, 0.1), (19.0, -8.0, 0.3, 0.0))
 """Test 11: (time s, mass kg, x m, y m)."""
 
@@ -65,7 +65,7 @@ ROWS = (
 def trajectory(number: int) -> tuple[Stretch, ...]:
     """1: a straight line at 0.8 m/s; 2: curves that begin at 7, 16 and 25 s. Steps of acceleration start and stop."""
     if number == 1:
-        return chain(straight(0.8 * (DURATION - 1.6 - 1.0), 0.8), pause(1.0))
+        return chain(straight(0.8 * (TEST_DURATION - 1.6 - 1.0), 0.8), pause(1.0))
     quarter, eighth = turn(np.pi / 2, 0.4), turn(np.pi / 4, 0.4)
     slow_down, speed_up = speed_change(-0.4, 0.25), speed_change(0.4, 0.25)
     cruise = 9.0 - total_duration(quarter) - 2 * total_duration(slow_down)
@@ -101,7 +101,7 @@ def scenario(row: Row, estimation: str = LEARNING, seed: int = 0) -> Scenario:
         choosing=Choosing(every=3.0),
         plant_timestep=0.01,
         seed=seed,
-        duration=DURATION,
+        duration=TEST_DURATION,
     )
 
 
@@ -125,11 +125,11 @@ def run_rows(
     rows: tuple[Row, ...] = ROWS, seed: int = 0, workers: int = 1, progress: Callable[[float], None] | None = None
 ) -> list[RowResult]:
     """Every row in every mode, over `workers` processes."""
-    jobs = [scenario(row, mode, seed + row.test) for row in rows for mode in MODES]
+    jobs = [scenario(row, mode, seed + row.test) for row in rows for mode in ESTIMATION_MODES]
     records = run_all(Scenario.run, jobs, workers, progress)
     return [
-        RowResult(row, dict(zip(MODES, records[i : i + len(MODES)], strict=True)))
-        for row, i in zip(rows, range(0, len(records), len(MODES)), strict=True)
+        RowResult(row, dict(zip(ESTIMATION_MODES, records[i : i + len(ESTIMATION_MODES)], strict=True)))
+        for row, i in zip(rows, range(0, len(records), len(ESTIMATION_MODES)), strict=True)
     ]
 
 

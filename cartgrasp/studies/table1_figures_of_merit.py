@@ -12,11 +12,11 @@ from .claims import Claim
 from .scenario import FIRST_GUESS, LEARNING, PAPER
 from .table1 import MASS_STEPS, TRUE_MASS, Row, RowResult
 
-SETTLED = 0.03
-CURVED = 2
-LOUD_NOISE = 0.05
-QUIET_NOISE = 0.005
-ACCELERATING = 0.1
+SETTLED_ERROR = 0.03
+CURVED_TRAJECTORY = 2
+HIGH_NOISE = 0.05
+LOW_NOISE = 0.005
+MIN_ACCELERATION = 0.1
 
 
 @dataclass(frozen=True)
@@ -38,7 +38,7 @@ class Merit:
 def merit(record: RunRecord, row: Row) -> Merit:
     """The figures of a run with estimation."""
     time, error = record.time, record.tracking_error
-    late = np.flatnonzero(error > SETTLED)
+    late = np.flatnonzero(error > SETTLED_ERROR)
     mass, com_x, com_y = (record.parameters[n] for n in ("mass", "com_x", "com_y"))
     truth = {n: _truth(record, n) for n in ("mass", "com_x", "com_y", "inertia")}
     relative = np.abs(mass.value / truth["mass"] - 1)
@@ -63,21 +63,21 @@ def row_claims(result: RowResult) -> list[Claim]:
     row, m = result.row, merit(result.runs[LEARNING], result.row)
     name = f"test {row.test}"
     claims = []
-    if row.noise <= LOUD_NOISE:
+    if row.noise <= HIGH_NOISE:
         if not row.mass_steps:
             claims.append(_below(name, "mass within 5 % at 10 s", m.mass_error_10, 0.05, "%"))
         claims.append(_below(name, "mass within 1 % at 30 s", m.mass_error_30, 0.01, "%"))
-        claims.append(_below(name, "tracking error under 3 cm from 5 s on", m.error_after_5, SETTLED, "cm"))
+        claims.append(_below(name, "tracking error under 3 cm from 5 s on", m.error_after_5, SETTLED_ERROR, "cm"))
     for i, seconds in enumerate(m.recovery):
         what = f"mass within 5 % after 5 s of acceleration from step {i + 1}"
         claims.append(Claim(name, what, f"{seconds:.1f} s", seconds <= 5.0))
-    if row.trajectory == CURVED and row.noise <= QUIET_NOISE:
+    if row.trajectory == CURVED_TRAJECTORY and row.noise <= LOW_NOISE:
         claims.append(_below(name, "CoM within 1 cm at 30 s", m.com_error_30, 0.01, "cm"))
         claims.append(_below(name, "inertia within 5 % at 30 s", m.inertia_error_30, 0.05, "%"))
-    if row.noise >= LOUD_NOISE:
+    if row.noise >= HIGH_NOISE:
         what = "mass, CoM, inertia within 3 of their own sd at 30 s"
         claims.append(Claim(name, what, f"{m.largest_z:.1f} sd", m.largest_z <= 3.0))
-    if row.trajectory != CURVED:
+    if row.trajectory != CURVED_TRAJECTORY:
         unknown = not m.identifiable["com_x"] and not m.identifiable["inertia"]
         figure = ", ".join(f"{n}: {'yes' if m.identifiable[n] else 'no'}" for n in ("com_x", "inertia"))
         claims.append(Claim(name, "com_x and inertia called not identifiable", figure, unknown))
@@ -86,7 +86,7 @@ def row_claims(result: RowResult) -> list[Claim]:
 
 def paper_claims(results: list[RowResult], curve: list[tuple[float, float]]) -> list[Claim]:
     """The paper's claims on its simulations, with our figures."""
-    quiet = [r for r in results if r.row.noise <= LOUD_NOISE]
+    quiet = [r for r in results if r.row.noise <= HIGH_NOISE]
     merits = {r.row.test: merit(r.runs[LEARNING], r.row) for r in results}
     claims = []
     if curve:
@@ -97,12 +97,12 @@ def paper_claims(results: list[RowResult], curve: list[tuple[float, float]]) -> 
         )
     if quiet:
         worst = max(merits[r.row.test].error_after_5 for r in quiet)
-        claims.append(_below("paper", "with it, under 3 cm within 5 s", worst, SETTLED, "cm", promised=False))
+        claims.append(_below("paper", "with it, under 3 cm within 5 s", worst, SETTLED_ERROR, "cm", promised=False))
     steady = [r for r in results if not r.row.mass_steps]
     if steady:
         worst = max(merits[r.row.test].mass_error_10 for r in steady)
         claims.append(_below("paper", "mass right (5 %) within 10 s on every test", worst, 0.05, "%", promised=False))
-    curved = [r for r in results if r.row.trajectory == CURVED and r.row.noise <= QUIET_NOISE]
+    curved = [r for r in results if r.row.trajectory == CURVED_TRAJECTORY and r.row.noise <= LOW_NOISE]
     if curved:
         worst = max(merits[r.row.test].com_error_30 for r in curved)
         ours = f"converged: {100 * worst:.1f} cm at most"
@@ -139,7 +139,7 @@ def _recovery(record: RunRecord, relative: Array, step: int) -> float:
     window = (record.time >= begin) & (record.time < end)
     speed = record.reference_velocity[:, 0]
     step_time = float(np.median(np.diff(record.time)))
-    accelerating = np.abs(np.gradient(speed, record.time)) > ACCELERATING
+    accelerating = np.abs(np.gradient(speed, record.time)) > MIN_ACCELERATION
     wrong = np.flatnonzero(window & (relative > 0.05))
     if not len(wrong):
         return 0.0

@@ -19,9 +19,9 @@ from .scenario import FIRST_GUESS, LEARNING
 from .table1 import RowResult
 
 LINES = ("-", "--", ":")
-TRUTH: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1))}
-LOW_NOISE, CURVES = 0.005, 2
-LEAST_ERROR = 1e-3
+TRUTH_STYLE: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1))}
+LOW_NOISE, CURVED_TRAJECTORY = 0.005, 2
+LOG_SCALE_OFFSET = 1e-3
 """cm or %, added so that a logarithm can show none."""
 
 
@@ -45,7 +45,7 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
     """A page: tracking as in Fig. 4, mass as in Fig. 5 and 6, and CoM and inertia where the path has curves."""
     low_noise = [result for result in results if _is_calm(result)]
     others = [result for result in results if not _is_calm(result)]
-    curves = [result for result in results if result.row.trajectory == CURVES]
+    curves = [result for result in results if result.row.trajectory == CURVED_TRAJECTORY]
     with house_style():
         figure = Figure(figsize=(7.2, 6.6), layout="constrained")
         (learning, kept), (mass, rough), (com, inertia) = figure.subplots(3, 2, sharex=True)
@@ -67,7 +67,7 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)", ylim=(1e-2, 1e2))
         inertia.set(title="Tests with curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
         handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
-        handles.append(Line2D([], [], **TRUTH, label="truth"))
+        handles.append(Line2D([], [], **TRUTH_STYLE, label="truth"))
         figure.legend(handles=handles, title="Test of Table I", loc="outside upper center", ncols=6)
     return figure
 
@@ -76,7 +76,7 @@ def draw_tracking(axes: Axes, results: Sequence[RowResult], mode: str) -> None:
     """Tracking error in cm, with the 3 cm that the paper reaches."""
     for result in results:
         record = result.runs[mode]
-        axes.semilogy(record.time, 100 * record.tracking_error + LEAST_ERROR, **_style(result))
+        axes.semilogy(record.time, 100 * record.tracking_error + LOG_SCALE_OFFSET, **_style(result))
     axes.axhline(3.0, color="0.5", linewidth=0.8)
     axes.set_ylim(1e-2, 3e2)
 
@@ -91,7 +91,7 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
             low, high = series.value - series.std, series.value + series.std
             axes.fill_between(record.time, low, high, color=style["color"], alpha=0.15, linewidth=0)
         if series.truth is not None:
-            axes.plot(record.time, series.truth, **TRUTH)
+            axes.plot(record.time, series.truth, **TRUTH_STYLE)
 
 
 def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
@@ -101,7 +101,7 @@ def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
         mass = record.parameters["mass"]
         if mass.truth is not None:
             error = np.abs(mass.value / mass.truth - 1)
-            axes.semilogy(record.time, 100 * error + LEAST_ERROR, **_style(result))
+            axes.semilogy(record.time, 100 * error + LOG_SCALE_OFFSET, **_style(result))
     axes.axhline(5.0, color="0.5", linewidth=0.8)
 
 
@@ -112,7 +112,7 @@ def draw_com_error(axes: Axes, results: Sequence[RowResult]) -> None:
         x, y = record.parameters["com_x"], record.parameters["com_y"]
         if x.truth is not None and y.truth is not None:
             distance = np.hypot(x.value - x.truth, y.value - y.truth)
-            axes.semilogy(record.time, 100 * distance + LEAST_ERROR, **_style(result))
+            axes.semilogy(record.time, 100 * distance + LOG_SCALE_OFFSET, **_style(result))
 
 
 def _figure(rows: int = 1) -> Figure:

@@ -20,10 +20,10 @@ from .plots import draw_path, house_style, legend_above
 from .shown_run import ShownRun
 from .top_view import draw_top_view
 
-FRAMES_PER_SECOND = 10
-LONGEST = 12.0
+GIF_FRAMES_PER_SECOND = 10
+MAX_ANIMATION_DURATION = 12.0
 """s; longer runs are shown faster."""
-DPI = 90
+ANIMATION_DPI = 90
 
 
 def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[float], None] | None = None) -> Path:
@@ -54,7 +54,7 @@ def write_gif(run: ShownRun, path: str | os.PathLike[str], progress: Callable[[f
 def save_frames(frames: Sequence[Image.Image], path: str | os.PathLike[str]) -> Path:
     """As a GIF, over and over."""
     content = io.BytesIO()
-    pause = 1000 // FRAMES_PER_SECOND
+    pause = 1000 // GIF_FRAMES_PER_SECOND
     frames[0].save(content, "GIF", save_all=True, append_images=frames[1:], duration=pause, loop=0)
     return write_atomically(path, content.getvalue())
 
@@ -76,8 +76,8 @@ def _show(axes: Axes, run: ShownRun, i: int) -> list[Artist]:
 def _picture(figure: Figure) -> Image.Image:
     """With colours of its own, as GIFs have them."""
     drawn = io.BytesIO()
-    figure.savefig(drawn, format="rgba", dpi=DPI)
-    width, height = (round(DPI * side) for side in figure.get_size_inches().tolist())
+    figure.savefig(drawn, format="rgba", dpi=ANIMATION_DPI)
+    width, height = (round(ANIMATION_DPI * side) for side in figure.get_size_inches().tolist())
     picture = Image.frombytes("RGBA", (width, height), drawn.getvalue())
     return picture.convert("P", palette=Image.Palette.ADAPTIVE)
 
@@ -85,6 +85,6 @@ def _picture(figure: Figure) -> Image.Image:
 def frames_of(run: ShownRun) -> np.ndarray:
     """The rows to show, evenly spaced in time; the last is the run's."""
     duration = float(run.time[-1] - run.time[0])
-    count = int(min(duration, LONGEST) * FRAMES_PER_SECOND) + 1
+    count = int(min(duration, MAX_ANIMATION_DURATION) * GIF_FRAMES_PER_SECOND) + 1
     instants = np.linspace(run.time[0], run.time[-1], count)
     return np.minimum(np.searchsorted(run.time, instants - 1e-9), len(run.time) - 1)

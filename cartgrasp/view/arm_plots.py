@@ -11,9 +11,9 @@ from matplotlib.colors import ListedColormap, LogNorm
 
 from ..errors import UsageError
 from ..frames import Array
-from .plots import BLACK, BLUE, REFERENCE, plain_text
+from .plots import BLACK, BLUE, REFERENCE_COLOUR, plain_text
 
-CANNOT = "#EBA27B"
+INFEASIBLE_COLOUR = "#EBA27B"
 """Vermillion, light enough to write on."""
 
 
@@ -37,7 +37,7 @@ def draw_push_map(axes: Axes, standoffs: Array, heights: Array, multiples: Array
     can, cannot = np.ma.masked_less(multiples, 1.0), np.ma.masked_greater_equal(multiples, 1.0)
     artists: list[Artist] = [
         axes.pcolormesh(standoffs, heights, np.ma.masked_invalid(can), norm=LogNorm(0.5, 3 * most), cmap="Blues"),
-        axes.pcolormesh(standoffs, heights, np.ma.masked_invalid(cannot), cmap=ListedColormap([CANNOT])),
+        axes.pcolormesh(standoffs, heights, np.ma.masked_invalid(cannot), cmap=ListedColormap([INFEASIBLE_COLOUR])),
     ]
     for (row, column), multiple in np.ndenumerate(multiples):
         if np.isfinite(multiple):
@@ -54,7 +54,7 @@ def draw_push_map(axes: Axes, standoffs: Array, heights: Array, multiples: Array
 def draw_needed_push(axes: Axes, force: float) -> list[Artist]:
     """A dashed line at the fx, N, that one arm has to give."""
     line = axes.axvline(force, color=BLACK, linestyle="--", linewidth=0.9, label="needed")
-    axes.axhline(0.0, color=REFERENCE, linewidth=0.5)
+    axes.axhline(0.0, color=REFERENCE_COLOUR, linewidth=0.5)
     return [line]
 
 

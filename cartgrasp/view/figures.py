@@ -27,10 +27,10 @@ from .plots import (
 from .shown_run import ShownRun
 from .top_view import draw_top_view
 
-DPI = 160
-SNAPSHOTS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
+FIGURE_DPI = 160
+SNAPSHOT_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the run at which an overview's path shows the cart."""
-UNDATED: Mapping[str, dict[str, Any]] = {
+UNDATED_METADATA: Mapping[str, dict[str, Any]] = {
     "png": {"Software": None},
     "pdf": {"CreationDate": None, "Producer": None},
     "svg": {"Date": None},
@@ -52,7 +52,7 @@ def figure_overview(run: ShownRun) -> Figure:
         path, *others = left.subplots(1 + below, 1, height_ratios=[n_path, *[1] * below], squeeze=False)[:, 0]
         axes = dict(zip(panels, [*right.subplots(n_rows, 1, squeeze=False)[:, 0], *others], strict=True))
         draw_path(path, run.pose, run.reference_pose)
-        for instant in SNAPSHOTS:
+        for instant in SNAPSHOT_FRACTIONS:
             draw_top_view(path, run, round(instant * (len(run.time) - 1)), mark_size=2.0)
         _draw_motion(run, axes)
         for name in estimated:
@@ -113,11 +113,11 @@ def figure_arms(run: ShownRun) -> Figure:
 def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Writes a figure as its suffix says: `.png` (160 dpi), `.pdf` or `.svg`."""
     kind = Path(path).suffix.lower().removeprefix(".")
-    if kind not in UNDATED:
-        raise UsageError(f"{path}: figures are written as {', '.join('.' + k for k in UNDATED)}")
+    if kind not in UNDATED_METADATA:
+        raise UsageError(f"{path}: figures are written as {', '.join('.' + k for k in UNDATED_METADATA)}")
     content = io.BytesIO()
     with house_style():
-        figure.savefig(content, format=kind, dpi=DPI, metadata=UNDATED[kind])
+        figure.savefig(content, format=kind, dpi=FIGURE_DPI, metadata=UNDATED_METADATA[kind])
     return write_atomically(path, content.getvalue())
 
 

@@ -14,21 +14,21 @@ from ..frames import Array, rotation_planar
 from ..model import CartModel
 from ..wheels import CASTER, DEFAULT_TRAIL
 
-WINDOW = 0.1
+VELOCITY_WINDOW = 0.1
 """s before and after an instant whose poses tell its velocity."""
-WAIT = 0.2
+MIN_PIVOT_MOTION_FRACTION = 0.2
 """Share of the trail that a pivot must move before its caster turns, so that noise turns no caster at rest."""
 
 
 def velocity_of_poses(time: Array, pose: Array) -> Array:
-    """(n, 3) in {s}: the mean of the poses within `WINDOW` after an instant less that of those before it, over their
-    mean times; NaN where poses are missing."""
+    """(n, 3) in {s}: the mean of the poses within `VELOCITY_WINDOW` after an instant less that of those before it, over
+    their mean times; NaN where poses are missing."""
     known = np.asarray(np.isfinite(pose).all(axis=1))
     rows = np.where(known[:, None], np.column_stack([time - time[0], pose]), 0.0)
     rows[known, 3] = np.unwrap(rows[known, 3])
     sums = np.vstack([np.zeros(5), np.cumsum(np.column_stack([rows, known]), axis=0)])
     here, step = np.arange(len(time)), float(np.median(np.diff(time))) if len(time) > 1 else 0.0
-    window = max(WINDOW, 1.001 * step)
+    window = max(VELOCITY_WINDOW, 1.001 * step)
     first, last = np.searchsorted(time, time - window), np.searchsorted(time, time + window, side="right")
     with np.errstate(invalid="ignore", divide="ignore"):
         before, after = (
@@ -61,7 +61,7 @@ def _trailing(pivot: Array, trail: float) -> Array:
     for row, point in zip(rows.tolist(), pivot[rows].tolist(), strict=True):
         at = at or point
         moved = math.dist(at, point)
-        if moved < WAIT * trail:
+        if moved < MIN_PIVOT_MOTION_FRACTION * trail:
             continue
         along = math.atan2(point[1] - at[1], point[0] - at[0])
         off = (found[-1] if found else along) - along

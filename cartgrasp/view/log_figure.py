@@ -12,7 +12,7 @@ from ..logs.run_log import RunLog
 from .plots import VERMILLION, draw_forces, draw_moments, draw_motion, draw_path, house_style, plain_text
 from .shown_run import ShownRun
 
-MOST_TOLD = 6
+MAX_SUSPICIONS_SHOWN = 6
 """Suspicions in the title."""
 
 
@@ -37,8 +37,8 @@ def figure_log(log: RunLog, suspicions: Sequence[tuple[str, str, float]] = ()) -
             one.set_xlabel("")
         right.align_ylabels()
         told = [f"{kind}: {plain_text(where)} ({probability:.2f})" for kind, where, probability in suspicions]
-        more = [f"and {len(told) - MOST_TOLD} more"] if len(told) > MOST_TOLD else []
-        words = "suspected: " + ", ".join([*told[:MOST_TOLD], *more]) if told else "nothing is suspected"
+        more = [f"and {len(told) - MAX_SUSPICIONS_SHOWN} more"] if len(told) > MAX_SUSPICIONS_SHOWN else []
+        words = "suspected: " + ", ".join([*told[:MAX_SUSPICIONS_SHOWN], *more]) if told else "nothing is suspected"
         figure.suptitle(f"{plain_text(log.name, 60)}: {words}", fontsize=9, color=VERMILLION if told else "black")
     return figure
 

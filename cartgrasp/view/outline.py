@@ -9,7 +9,7 @@ import numpy as np
 from ..frames import Array
 from ..model import CartModel
 
-MARGIN = 0.08
+OUTLINE_MARGIN = 0.08
 """m, from the wheels to the drawn edge of the body."""
 
 Outline = tuple[float, float, float, float]
@@ -31,6 +31,6 @@ def body_outline(cart: CartModel | None, contacts: Iterable[Array]) -> Outline:
 
 def _round(points: Array) -> Outline:
     centre, half = (points.min(0) + points.max(0)) / 2, (points.max(0) - points.min(0)) / 2
-    half = np.maximum(half + MARGIN, 0.15)
+    half = np.maximum(half + OUTLINE_MARGIN, 0.15)
     low, high = centre - half, centre + half
     return float(low[0]), float(high[0]), float(low[1]), float(high[1])

@@ -21,12 +21,12 @@ from ..writing import write_atomically
 from .player_data import player_data
 from .shown_run import ShownRun
 
-SCRIPTS = ("data.js", "scene.js", "cart.js", "arms.js", "legends.js", "charts.js", "panels.js", "player.js")
+PLAYER_SCRIPTS = ("data.js", "scene.js", "cart.js", "arms.js", "legends.js", "charts.js", "panels.js", "player.js")
 
 
 def player_page(run: ShownRun, title: str) -> str:
     """The page as text."""
-    script, style = "\n".join(_asset(name) for name in SCRIPTS), _asset("player.css")
+    script, style = "\n".join(_asset(name) for name in PLAYER_SCRIPTS), _asset("player.css")
     policy = (
         f"default-src 'none'; script-src '{_digest(script)}'; style-src '{_digest(style)}'; "
         "base-uri 'none'; form-action 'none'"

@@ -17,8 +17,8 @@ from ..simulation.record import Series
 from ..wheels import CASTER
 from .shown_run import ShownRun
 
-FRAMES_PER_SECOND = 30.0
-MOST_FRAMES = 3600
+PLAYER_FRAMES_PER_SECOND = 30.0
+MAX_PLAYER_FRAMES = 3600
 """Beyond it (two minutes at full rate) frames lie further apart and the player interpolates more."""
 
 PARAMETER_LABELS = {"mass": "Mass", "com_x": "CoM x", "com_y": "CoM y", "inertia": "Yaw inertia"}
@@ -50,9 +50,9 @@ def player_data(run: ShownRun, title: str) -> dict[str, Any]:
 
 
 def frame_indices(time: Array) -> np.ndarray:
-    """Samples to show: about `FRAMES_PER_SECOND`, at most `MOST_FRAMES`, with both ends of every gap."""
+    """Samples to show: about `PLAYER_FRAMES_PER_SECOND`, at most `MAX_PLAYER_FRAMES`, with both ends of every gap."""
     duration = float(time[-1] - time[0])
-    step = max(1.0 / FRAMES_PER_SECOND, duration / (MOST_FRAMES - 1))
+    step = max(1.0 / PLAYER_FRAMES_PER_SECOND, duration / (MAX_PLAYER_FRAMES - 1))
     instants = time[0] + step * np.arange(int(duration / step) + 1)
     found = np.minimum(np.searchsorted(time, instants - 1e-9), len(time) - 1)
     gaps = np.flatnonzero(np.diff(time) > step)

@@ -26,7 +26,7 @@ from .player_data import PARAMETER_LABELS
 BLACK, ORANGE, SKY, GREEN = "#000000", "#E69F00", "#56B4E9", "#009E73"
 YELLOW, BLUE, VERMILLION, PURPLE = "#F0E442", "#0072B2", "#D55E00", "#CC79A7"
 OKABE_ITO = (BLUE, VERMILLION, GREEN, PURPLE, ORANGE, SKY, YELLOW, BLACK)
-REFERENCE = "#7A7A7A"
+REFERENCE_COLOUR = "#7A7A7A"
 MOTION_COLOURS = (GREEN, VERMILLION, BLUE)
 
 ARM_MARKERS = ("o", "s", "^", "D")
@@ -123,7 +123,7 @@ def draw_path(axes: Axes, pose: Array, reference_pose: Array | None = None) -> l
     """Reference and driven path of {b}'s origin in {s}, on equal scales; the ring marks the start."""
     artists: list[Artist] = []
     if reference_pose is not None:
-        artists += axes.plot(*reference_pose[:, :2].T, color=REFERENCE, linestyle="--", label="reference")
+        artists += axes.plot(*reference_pose[:, :2].T, color=REFERENCE_COLOUR, linestyle="--", label="reference")
     artists += axes.plot(*pose[:, :2].T, color=GREEN, label="driven")
     artists += axes.plot(*pose[:1, :2].T, color=GREEN, marker="o", markerfacecolor="white", linestyle="none")
     axes.set_aspect("equal", adjustable="datalim")

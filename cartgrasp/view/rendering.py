@@ -17,13 +17,13 @@ from PIL import Image
 from ..errors import UsageError
 from ..writing import write_atomically
 from .animation import frames_of, save_frames
-from .scene import HEIGHT, WIDTH, Scene
+from .scene import SCENE_HEIGHT, SCENE_WIDTH, Scene
 from .shown_run import ShownRun
 
-LARGEST = 10_000
+MAX_SCENE_SHAPES = 10_000
 """Largest number of shapes in a picture."""
-SUFFIXES = (".png", ".gif")
-COLOURS = 96
+SCENE_SUFFIXES = (".png", ".gif")
+GIF_COLOURS = 96
 """The number of colours in a GIF's frame."""
 
 
@@ -32,8 +32,8 @@ def write_scene(run: ShownRun, path: str | os.PathLike[str], progress: Callable[
     told the share done. UsageError where OpenGL can't be had."""
     path = Path(path)
     kind = path.suffix.lower()
-    if kind not in SUFFIXES:
-        raise UsageError(f"{path}: a scene is written as {' or '.join(SUFFIXES)}")
+    if kind not in SCENE_SUFFIXES:
+        raise UsageError(f"{path}: a scene is written as {' or '.join(SCENE_SUFFIXES)}")
     rows = np.flatnonzero(np.isfinite(run.pose).all(axis=1))
     if not len(rows):
         raise UsageError(f"{path}: no pose of {run.name} is known, so there is nothing to draw")
@@ -47,16 +47,16 @@ def write_scene(run: ShownRun, path: str | os.PathLike[str], progress: Callable[
         if progress is not None:
             progress(k / len(wanted))
     if kind == ".gif":
-        return save_frames([picture.quantize(COLOURS) for picture in pictures], path)
+        return save_frames([picture.quantize(GIF_COLOURS) for picture in pictures], path)
     content = io.BytesIO()
     pictures[0].save(content, "PNG")
     return write_atomically(path, content.getvalue())
 
 
 def rendered(scene: Scene, instants: np.ndarray, shrunk: int = 1) -> Iterator[np.ndarray]:
-    """A picture (HEIGHT / shrunk, WIDTH / shrunk, 3) for each instant, bytes of red, green, blue."""
-    drawn, options = mujoco.MjvScene(scene.model, maxgeom=LARGEST), mujoco.MjvOption()
-    height, width = HEIGHT // shrunk, WIDTH // shrunk
+    """A picture (SCENE_HEIGHT / shrunk, SCENE_WIDTH / shrunk, 3) for each instant, bytes of red, green, blue."""
+    drawn, options = mujoco.MjvScene(scene.model, maxgeom=MAX_SCENE_SHAPES), mujoco.MjvOption()
+    height, width = SCENE_HEIGHT // shrunk, SCENE_WIDTH // shrunk
     frame, every = mujoco.MjrRect(0, 0, width, height), mujoco.mjtCatBit.mjCAT_ALL.value
     with _context(scene.model) as context:
         for i in instants.tolist():
@@ -100,5 +100,5 @@ def _window() -> Any:
         os.environ.setdefault("PYOPENGL_PLATFORM", "egl")
         from mujoco.egl import GLContext
 
-        return GLContext(WIDTH, HEIGHT)
-    return mujoco.GLContext(WIDTH, HEIGHT)
+        return GLContext(SCENE_WIDTH, SCENE_HEIGHT)
+    return mujoco.GLContext(SCENE_WIDTH, SCENE_HEIGHT)

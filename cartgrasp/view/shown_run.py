@@ -16,11 +16,11 @@ from ..simulation.record import RunRecord, Series
 from .from_poses import trailing_headings, velocity_of_poses
 from .outline import Outline, body_outline
 
-OK = "ok"
+HEALTH_OK = "ok"
 """The health of an estimate that is as it should be."""
-MOST = 1e5
+MAX_CREDIBLE_VALUE = 1e5
 """m, N, N·m, m/s: what is larger can't be SI units, and counts as missing."""
-EPOCH = 1e6
+EPOCH_THRESHOLD = 1e6
 """s; a clock beyond it counts from an epoch, and the picture from the run's start."""
 
 
@@ -74,7 +74,7 @@ class ShownRun:
         return cls(
             name=log.name,
             cart=cart,
-            time=log.time - (start if abs(start) > EPOCH else 0.0),
+            time=log.time - (start if abs(start) > EPOCH_THRESHOLD else 0.0),
             pose=log.pose,
             velocity_b=_velocity_b(log),
             contacts={arm: one.contact for arm, one in log.arms.items()},
@@ -116,8 +116,8 @@ class ShownRun:
     @property
     def doubtful(self) -> np.ndarray:
         """Where (n,) the estimate says of itself that it is not as it should be."""
-        said = np.array(self.healths or (OK,))
-        return np.asarray(said[np.arange(len(self.time)) * len(said) // len(self.time)] != OK)
+        said = np.array(self.healths or (HEALTH_OK,))
+        return np.asarray(said[np.arange(len(self.time)) * len(said) // len(self.time)] != HEALTH_OK)
 
     @property
     def outline(self) -> Outline:
@@ -145,7 +145,7 @@ class ShownRun:
 
 def _credible(log: RunLog) -> RunLog:
     def masked(values: Array) -> Array:
-        return np.where(np.abs(values) > MOST, np.nan, values)
+        return np.where(np.abs(values) > MAX_CREDIBLE_VALUE, np.nan, values)
 
     arms = {name: ArmLog(masked(arm.contact), masked(arm.wrench)) for name, arm in log.arms.items()}
     velocity = None if log.velocity is None else masked(log.velocity)

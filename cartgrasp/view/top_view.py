@@ -16,9 +16,9 @@ from ..wheels import CASTER
 from .plots import ARM_MARKERS, OKABE_ITO, PURPLE, plain_text
 from .shown_run import ShownRun
 
-BODY, EDGE, WHEEL = "#EEF1F4", "#7A8592", "#3C4654"
-FRONT = 4
-ARROW = 0.7
+BODY_COLOUR, EDGE_COLOUR, WHEEL_COLOUR = "#EEF1F4", "#7A8592", "#3C4654"
+FRONT_ZORDER = 4
+MAX_ARROW_FRACTION = 0.7
 """Length of an arrow for the run's large forces, as a share of the cart's length."""
 
 
@@ -42,9 +42,9 @@ def _body(axes: Axes, run: ShownRun, from_b: Affine2D) -> list[Artist]:
     size, middle = 0.12 * min(x1 - x0, y1 - y0), (y0 + y1) / 2
     corners = [(x0, y0), (x1, y0), (x1, y1), (x0, y1)]
     nose = [(x1 - 2 * size, middle + size), (x1 - size, middle), (x1 - 2 * size, middle - size)]
-    known: dict[str, Any] = {"facecolor": BODY} if run.cart else {"fill": False, "linestyle": ":"}
-    box = Polygon(corners, edgecolor=EDGE, linewidth=0.8, joinstyle="round", zorder=FRONT, **known)
-    front = Polygon(nose, closed=False, fill=False, edgecolor=EDGE, linewidth=1.0, zorder=FRONT)
+    known: dict[str, Any] = {"facecolor": BODY_COLOUR} if run.cart else {"fill": False, "linestyle": ":"}
+    box = Polygon(corners, edgecolor=EDGE_COLOUR, linewidth=0.8, joinstyle="round", zorder=FRONT_ZORDER, **known)
+    front = Polygon(nose, closed=False, fill=False, edgecolor=EDGE_COLOUR, linewidth=1.0, zorder=FRONT_ZORDER)
     return [_placed(axes, one, from_b) for one in (box, front)]
 
 
@@ -61,7 +61,9 @@ def _wheels(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[Artist]
             continue
         behind = max(wheel.trail, 0.3 * size) if is_caster else 0.0
         a, b = size / 2, 0.19 * size
-        tyre = Polygon([(-a, -b), (a, -b), (a, b), (-a, b)], facecolor=WHEEL, edgecolor="none", zorder=FRONT + 1)
+        tyre = Polygon(
+            [(-a, -b), (a, -b), (a, b), (-a, b)], facecolor=WHEEL_COLOUR, edgecolor="none", zorder=FRONT_ZORDER + 1
+        )
         turned = Affine2D().translate(-behind, 0).rotate(heading).translate(wheel.x, wheel.y)
         artists.append(_placed(axes, tyre, turned + from_b))
     return artists
@@ -76,8 +78,10 @@ def _estimated_com(axes: Axes, run: ShownRun, i: int, from_b: Affine2D) -> list[
     variances, directions = np.linalg.eigh(covariance)
     height, width = 2 * np.sqrt(np.maximum(variances, 0.0))
     turn = math.degrees(math.atan2(directions[1, 1], directions[0, 1]))
-    ellipse = Ellipse(com, width, height, angle=turn, facecolor=PURPLE, edgecolor=PURPLE, alpha=0.35, zorder=FRONT + 2)
-    dot = axes.plot(*from_b.transform(com), color=PURPLE, marker=".", markersize=2, zorder=FRONT + 3)
+    ellipse = Ellipse(
+        com, width, height, angle=turn, facecolor=PURPLE, edgecolor=PURPLE, alpha=0.35, zorder=FRONT_ZORDER + 2
+    )
+    dot = axes.plot(*from_b.transform(com), color=PURPLE, marker=".", markersize=2, zorder=FRONT_ZORDER + 3)
     return [_placed(axes, ellipse, from_b), *dot]
 
 
@@ -85,7 +89,7 @@ def _arms(axes: Axes, run: ShownRun, i: int, size: float) -> list[Artist]:
     x, y, theta = run.pose[i].tolist()
     rotation = rotation_planar(theta)
     x0, x1, _, _ = run.outline
-    scale = ARROW * (x1 - x0) / large_force(run)
+    scale = MAX_ARROW_FRACTION * (x1 - x0) / large_force(run)
     artists: list[Artist] = []
     for k, (name, contacts) in enumerate(run.contacts.items()):
         colour, mark = OKABE_ITO[k % len(OKABE_ITO)], ARM_MARKERS[k % len(ARM_MARKERS)]
@@ -94,7 +98,7 @@ def _arms(axes: Axes, run: ShownRun, i: int, size: float) -> list[Artist]:
         if not np.isfinite(contact).all():
             continue
         look: dict[str, Any] = {"color": colour, "marker": mark, "markersize": size, "linestyle": "none"}
-        artists += axes.plot(*contact, label=plain_text(name, 14), zorder=FRONT + 4, **look)
+        artists += axes.plot(*contact, label=plain_text(name, 14), zorder=FRONT_ZORDER + 4, **look)
         if np.isfinite(force).all():
             artists.append(_arrow(axes, contact, force, 0.07 * (x1 - x0), colour))
     return artists
@@ -102,7 +106,7 @@ def _arms(axes: Axes, run: ShownRun, i: int, size: float) -> list[Artist]:
 
 def _arrow(axes: Axes, start: Array, along: Array, head: float, colour: str) -> Artist:
     head = min(head, 0.5 * float(np.hypot(*along)))
-    look: dict[str, Any] = {"length_includes_head": True, "color": colour, "zorder": FRONT + 3}
+    look: dict[str, Any] = {"length_includes_head": True, "color": colour, "zorder": FRONT_ZORDER + 3}
     return axes.add_patch(FancyArrow(*start, *along, width=0.25 * head, head_width=head, **look))
 
 

@@ -8,7 +8,7 @@ from contextlib import suppress
 from typing import ClassVar, Generic, TypeVar
 
 from cartgrasp.checks import brief
-from cartgrasp.collector import freeze_what_lives
+from cartgrasp.collector import freeze_live_objects
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.motion import Estimate, Measurement, Motion
 from cartgrasp.tracked_point import TrackedPoint
@@ -83,7 +83,7 @@ class OnlineEstimator(ABC, Generic[C]):
         with suppress(CartgraspError):  # what is believed may be far from the push that is made up
             for sample in made_up_push(self.cart, self.arms or ("arm",)):
                 other.update(sample)
-        freeze_what_lives()
+        freeze_live_objects()
 
     @property
     def estimate(self) -> Estimate:

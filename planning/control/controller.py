@@ -14,7 +14,7 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, check_kind, check_known, listed, number, positive, shown
-from cartgrasp.collector import freeze_what_lives
+from cartgrasp.collector import freeze_live_objects
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.motion import Measurement
@@ -180,7 +180,7 @@ class Controller:
         for part in (self._planner, self._estimator, self._regrasps, self._source):
             getattr(part, "warm_up", _nothing)()
         self.reference.at(0.0)  # which works out its pieces
-        freeze_what_lives()
+        freeze_live_objects()
 
     def step(self, measurement: Measurement) -> Step:
         """One tick: takes in what was sensed, and says what the arms are to do."""

@@ -18,7 +18,7 @@ from cartgrasp.effects import RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia, physical_from_phi
 from cartgrasp.model import CartModel
 from cartgrasp.studies.consistency import drawn_cart
-from cartgrasp.studies.estimators import SENSORS, Job, drive_cart, guess
+from cartgrasp.studies.estimators import SENSOR_SETS, Job, drive_cart, guess
 
 from .test_sealed_baselines import made_up
 
@@ -67,7 +67,7 @@ def test_a_step_is_that_of_the_library_s_model():
 
 @needs_sysid
 def test_right_where_wrenches_are_nearly_exact(monkeypatch):
-    monkeypatch.setitem(SENSORS, "exact", replace(SENSORS["quiet"], force=0.02, moment=0.001))
+    monkeypatch.setitem(SENSOR_SETS, "exact", replace(SENSOR_SETS["quiet"], force=0.02, moment=0.001))
     cart = drawn_cart(1)
     phi = rolled_out(drive_cart(cart, Job("curves", "exact", 1)).log, guess())
     mass, x, y, inertia = physical_from_phi(phi.mean)

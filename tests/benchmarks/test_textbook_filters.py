@@ -7,7 +7,7 @@ import pytest
 
 from cartgrasp.inertia import physical_from_phi
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive_cart, guess
+from cartgrasp.studies.estimators import HANDS, SENSOR_SETS, Job, drive_cart, guess
 
 pytest.importorskip("filterpy")
 
@@ -33,7 +33,7 @@ def test_partials():
 @pytest.mark.parametrize("kind", [TextbookEkf, TextbookUkf])
 def test_right_where_wrenches_are_nearly_exact(kind, monkeypatch):
     """A textbook's assumption; 3 N of noise is what it can't stand (physics.md)."""
-    monkeypatch.setitem(SENSORS, "exact", replace(SENSORS["quiet"], force=0.02, moment=0.001))
+    monkeypatch.setitem(SENSOR_SETS, "exact", replace(SENSOR_SETS["quiet"], force=0.02, moment=0.001))
     cart = drawn_cart(1)
     log = drive_cart(cart, Job("curves", "exact", 1), 4.0).log
     online = kind(guess(), ARMS, exact_noise("exact"), PRIOR)

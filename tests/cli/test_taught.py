@@ -7,7 +7,7 @@ import pytest
 from cartgrasp.cli import demo
 from cartgrasp.cli.estimate import print_parameters
 from cartgrasp.cli.run_tables import print_run
-from cartgrasp.cli.taught import taught_word
+from cartgrasp.cli.taught import identifiable_word
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.run_figures import RunFigures
 
@@ -27,8 +27,8 @@ def test_a_run_whose_estimate_is_not_ok(capsys, health):
     assert f"health: {health}" in shown
     assert " yes\n" not in shown
     assert ("taught nothing" if health == "inconsistent" else "nothing counts as taught") in shown
-    assert taught_word(True) == "yes"
-    assert taught_word(True, health) == taught_word(False) == "no"
+    assert identifiable_word(True) == "yes"
+    assert identifiable_word(True, health) == identifiable_word(False) == "no"
 
 
 def test_the_demo_says_what_leaving_effects_out_does_to_the_estimate(capsys):

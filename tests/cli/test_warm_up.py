@@ -10,7 +10,7 @@ from pathlib import Path
 
 from cartgrasp import compile_notice
 from cartgrasp.cli import warm_up
-from cartgrasp.cli.output import KernelsTold
+from cartgrasp.cli.output import KernelProgressLines
 
 from .commands import run
 
@@ -62,7 +62,7 @@ def test_a_loop_after_warm_up_loads_and_compiles_nothing():
 
 
 def test_it_is_told_line_by_line(capsys):
-    with compile_notice.telling(KernelsTold(20)):
+    with compile_notice.kernel_listener(KernelProgressLines(20)):
         for kernel in ("drive", "record"):
             compile_notice.compiling(kernel)
     assert capsys.readouterr().err.splitlines() == [
@@ -72,7 +72,7 @@ def test_it_is_told_line_by_line(capsys):
 
 
 def test_where_nobody_tells_the_log_does_once(caplog):
-    with caplog.at_level(logging.WARNING), compile_notice.telling(compile_notice.Advice()):
+    with caplog.at_level(logging.WARNING), compile_notice.kernel_listener(compile_notice.CompileWarning()):
         compile_notice.compiling("drive")
         compile_notice.compiling("record")
     assert [record.getMessage() for record in caplog.records] == [compile_notice.ADVICE]
@@ -82,11 +82,11 @@ def test_two_at_once_compile_each_kernel_once(tmp_path):
     """Whoever comes second waits, and finds it."""
     script = (
         "import numpy as np\n"
-        "from cartgrasp.cli.warm_up import CART\n"
-        "from cartgrasp.compile_notice import telling\n"
-        "with telling(print):\n"
-        "    n, p = CART.dynamics.n_state, CART.dynamics.n_parameters\n"
-        "    CART.dynamics.memories((np.zeros((1, n)), np.zeros(1), np.ones((1, p))))\n"
+        "from cartgrasp.cli.warm_up import WARM_UP_CART\n"
+        "from cartgrasp.compile_notice import kernel_listener\n"
+        "with kernel_listener(print):\n"
+        "    n, p = WARM_UP_CART.dynamics.n_state, WARM_UP_CART.dynamics.n_parameters\n"
+        "    WARM_UP_CART.dynamics.memories((np.zeros((1, n)), np.zeros(1), np.ones((1, p))))\n"
     )
     environment = {**os.environ, "PYTHONPATH": str(ROOT), "NUMBA_CACHE_DIR": str(tmp_path)}
     both = [

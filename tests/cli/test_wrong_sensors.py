@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.cart_file import load_cart
-from cartgrasp.cli.sensors import first_looks, looked_at
+from cartgrasp.cli.sensors import check_logs, looked_at
 from cartgrasp.errors import DataError
 from cartgrasp.logs import ArmLog, read_log, write_log
 
@@ -108,4 +108,4 @@ def test_what_cannot_be_looked_at_is_not_suspected(folder, change, words):
     log, cart = change(read_log(folder / "sound.csv")), load_cart(folder / "cart.yaml")
     with pytest.raises(DataError, match=words):
         looked_at(log, cart)
-    assert first_looks([log], cart, ()) == [None]
+    assert check_logs([log], cart, ()) == [None]

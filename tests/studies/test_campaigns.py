@@ -163,7 +163,7 @@ def test_of_two_dask_workers_one_is_killed(tmp_path):
 
 def test_no_scheduler_is_said(monkeypatch):
     pytest.importorskip("distributed")
-    monkeypatch.setattr(workers, "CONNECT", 0.2)
+    monkeypatch.setattr(workers, "CONNECT_TIMEOUT", 0.2)
     with pytest.raises(UsageError, match=r"127\.0\.0\.1:9.*dask scheduler"):
         list(on_cluster("tcp://127.0.0.1:9")(Squares(1).jobs()))
 

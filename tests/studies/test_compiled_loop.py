@@ -23,7 +23,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.simulation.sensors import SensorNoise
 from cartgrasp.studies.compiled_loop.loop import compiled_run, covers
 from cartgrasp.studies.scenario import FIRST_GUESS, MUJOCO_PLANT, PAPER, Scenario
-from cartgrasp.studies.shopping_cart import FIRM, WHEELS
+from cartgrasp.studies.shopping_cart import FIRM_GAINS, WHEELS
 from estimation import FilterNoise
 from planning import Choosing, RegraspTimes
 from planning.references import chain, pause, speed_change, straight, turn
@@ -51,7 +51,7 @@ def scenario(seed, **changes):
         stretches=CURVES,
         sensors=SensorNoise(),
         noise=FilterNoise(),
-        gains=FIRM,
+        gains=FIRM_GAINS,
         seed=seed,
     )
     return replace(given, **changes)

@@ -6,12 +6,12 @@ from scipy.stats import chi2
 
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.consistency import (
-    MATCHED,
+    MATCHED_MODEL,
     MODELS,
     MOTION,
     PRIOR,
     SQUARES,
-    WRONG,
+    WRONG_MODEL,
     Trace,
     drawn_cart,
     run_seeds,
@@ -36,13 +36,13 @@ def drawn_traces(n, wrong=3.0, seed=1):
     random = np.random.default_rng(seed)
     told = []
     for _ in range(n):
-        scale = {MATCHED: 1.0, WRONG: wrong**2}
+        scale = {MATCHED_MODEL: 1.0, WRONG_MODEL: wrong**2}
         told.append(
             {
                 model: Trace(
                     {name: scale[model] * random.chisquare(size, 400) for name, size in DIMENSIONS.items()},
                     DIMENSIONS,
-                    random.standard_normal((400, 7 if model == MATCHED else 6)),
+                    random.standard_normal((400, 7 if model == MATCHED_MODEL else 6)),
                 )
                 for model in MODELS
             }
@@ -52,10 +52,10 @@ def drawn_traces(n, wrong=3.0, seed=1):
 
 def test_figures(tmp_path):
     runs = drawn_traces(30)
-    found = consistency(runs, MATCHED, MOTION)
+    found = consistency(runs, MATCHED_MODEL, MOTION)
     assert chi2.cdf(150 * found.low, 150) == pytest.approx(0.025)
     assert chi2.cdf(150 * found.high, 150) == pytest.approx(0.975)
-    assert found.mean[7] == pytest.approx(np.mean([run[MATCHED].squares[MOTION][7] for run in runs]) / 5)
+    assert found.mean[7] == pytest.approx(np.mean([run[MATCHED_MODEL].squares[MOTION][7] for run in runs]) / 5)
     assert found.inside == pytest.approx(0.95, abs=0.04)
     assert {len(row) for row in rows(runs)} == {len(COLUMNS)}
     assert {len(row) for row in score_rows(runs)} == {len(SCORE_COLUMNS)}
@@ -67,7 +67,7 @@ def test_claims_can_fail():
     assert not all_kept(claims(drawn_traces(30, wrong=1.0)))
     timid = drawn_traces(30)
     for run in timid:
-        run[MATCHED].squares[MOTION] *= 0.5
+        run[MATCHED_MODEL].squares[MOTION] *= 0.5
     assert [claim.what for claim in claims(timid) if not claim.holds] == [MOTION]
 
 
@@ -83,9 +83,9 @@ def test_a_run():
     """Squares whose chance is one in a thousand are rare with the right model, and the rule with the wrong one."""
     runs = [trace_both(seed) for seed in (3,)]
     for name, size in DIMENSIONS.items():
-        seen = np.array([run[MATCHED].squares[name] for run in runs])
+        seen = np.array([run[MATCHED_MODEL].squares[name] for run in runs])
         assert (seen[np.isfinite(seen)] < chi2.ppf(0.9999, size)).mean() > 0.99
-    assert all(run[WRONG].squares["NEES of parameters"][-1] > chi2.ppf(0.9999, 6) for run in runs)
+    assert all(run[WRONG_MODEL].squares["NEES of parameters"][-1] > chi2.ppf(0.9999, 6) for run in runs)
 
 
 @pytest.mark.prove

@@ -8,7 +8,19 @@ import numpy as np
 import pytest
 
 from cartgrasp.studies import disturbances as study
-from cartgrasp.studies.disturbances import ESO, FLOOR, KINDS, LOAD, OURS, PAPER, PERIOD, PUSH, WAYS, Case, Outcome
+from cartgrasp.studies.disturbances import (
+    CONTROL_PERIOD,
+    DISTURBANCE_KINDS,
+    ESO,
+    FLOOR,
+    LOAD,
+    OURS,
+    PAPER,
+    PUSH,
+    WAYS,
+    Case,
+    Outcome,
+)
 from cartgrasp.studies.disturbances_figures_of_merit import COLUMNS, Merit, as_dict, claims, merit, rows
 from planning.references import chain, pause, speed_change
 
@@ -17,7 +29,7 @@ from planning.references import chain, pause, speed_change
 def short(monkeypatch):
     """2.6 s, with the first push of a case after 1.2 s."""
     monkeypatch.setattr(study, "PATH", chain(speed_change(0.4), pause(1.0), speed_change(-0.4)))
-    monkeypatch.setattr(study, "ONSET", 0.8)
+    monkeypatch.setattr(study, "ONSET_TIME", 0.8)
 
 
 @pytest.mark.parametrize("way", WAYS)
@@ -38,16 +50,16 @@ def test_ours_learns_a_load(seed):
 
 def test_what_is_drawn():
     """A case is the same each time; loads are put on, other carts keep their mass."""
-    for kind in KINDS:
+    for kind in DISTURBANCE_KINDS:
         cart = Case(kind, 7).cart
         assert cart.parameters.tolist() == Case(kind, 7).cart.parameters.tolist()
         gained = cart.phi_at(20.0)[0] - cart.inertia.mass
         assert 5.0 <= gained <= 30.0 if kind == LOAD else gained == 0.0
     motion = study.Motion(np.array([3.0, 0.0, 0.0]), np.array([0.5, 0.0]))
-    times = np.arange(study.ONSET, 18.0, PERIOD)
+    times = np.arange(study.ONSET_TIME, 18.0, CONTROL_PERIOD)
     sizes = [np.linalg.norm(push.force_b) for t in times for push in Case(PUSH, 7).outside(t, motion)]
     assert 20.0 <= min(sizes) <= max(sizes) <= 60.0
-    assert len(sizes) == pytest.approx(3 * 0.5 / PERIOD, abs=3)
+    assert len(sizes) == pytest.approx(3 * 0.5 / CONTROL_PERIOD, abs=3)
     drags = [push.force_b[0] for x in range(9) for push in Case(FLOOR, 7).outside(9.0, _at(motion, x / 2))]
     assert max(drags) == 0.0 > min(drags)
 
@@ -59,7 +71,7 @@ def _at(motion, x):
 def test_its_figures():
     """Ours 5 mm off for a second, the others 10 and 20 for two."""
     force, outcomes = np.full(200, 10.0), []
-    for kind in KINDS:
+    for kind in DISTURBANCE_KINDS:
         for i, way in enumerate(WAYS):
             off = 0.005 if way == OURS else 0.01 + 0.01 * (i > 1)
             mass = 0.01 if way == OURS else math.nan

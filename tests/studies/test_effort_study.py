@@ -9,19 +9,19 @@ import pytest
 
 from cartgrasp.studies import effort, effort_report
 from cartgrasp.studies.effort import (
-    BEST,
-    CHOSEN,
+    BEST_PLACE,
+    CHOSEN_PLACE,
     FIRST_GUESS,
     GRIPS,
-    KEPT,
     KNOWLEDGE,
     LEARNED,
-    MIDDLE,
+    MIDDLE_PLACE,
     PLACES,
-    WRONG,
-    Compared,
+    USUAL_LOAD_KEPT,
+    WRONG_GUESS_KEPT,
+    Comparison,
     Job,
-    Paid,
+    RunCost,
     arms,
     at_error,
     best_by_statics,
@@ -40,18 +40,18 @@ def test_what_is_paid_at_an_error(power):
 
     def law(gain):
         tried.append(gain)
-        return Paid(gain, 0.02 * gain**power, *[10.0 * gain**0.3] * 5)
+        return RunCost(gain, 0.02 * gain**power, *[10.0 * gain**0.3] * 5)
 
     paid = at_error(0.005, law)
     gain = 4.0 ** (-1 / power)
     assert paid.is_equal(0.005)
     assert (paid.gain, paid.force) == pytest.approx((gain, 10 * gain**0.3), rel=0.03)
-    assert len(tried) <= effort.TRIES
+    assert len(tried) <= effort.MAX_GAIN_TRIES
 
 
 def test_errors_that_no_gain_has():
-    assert at_error(0.001, lambda gain: Paid(gain, 0.5 / gain, *[1.0] * 5)).gain == effort.GAINS[1]
-    assert at_error(0.001, lambda gain: Paid(gain, inf)).error == inf
+    assert at_error(0.001, lambda gain: RunCost(gain, 0.5 / gain, *[1.0] * 5)).gain == effort.GAIN_RANGE[1]
+    assert at_error(0.001, lambda gain: RunCost(gain, inf)).error == inf
 
 
 def test_best_places_answer_the_offset():
@@ -67,27 +67,29 @@ def test_a_drive(monkeypatch):
     """A start: rms and largest of what the hands gave, by our own sum; where a guess is kept nothing is learned."""
     monkeypatch.setattr(effort, "PATH", chain(speed_change(0.3), pause(0.2), speed_change(-0.3)))
     job = Job(40.0, 0.1, 2, 3)
-    paid = drive(job, LEARNED, MIDDLE, 1.0)
-    record = scenario(cart(40.0, 0.1), arms(2, [0.15, -0.15]), LEARNED, MIDDLE, 1.0, 3).run()
+    paid = drive(job, LEARNED, MIDDLE_PLACE, 1.0)
+    record = scenario(cart(40.0, 0.1), arms(2, [0.15, -0.15]), LEARNED, MIDDLE_PLACE, 1.0, 3).run()
     forces = np.array([record.wrenches[arm][:, :3] for arm in GRIPS[2]])
     assert paid.force == pytest.approx(np.sqrt((forces**2).sum() / len(record.time)))
     assert paid.largest_force == pytest.approx(np.linalg.norm(forces, axis=2).max())
     assert paid.error == pytest.approx(np.sqrt((record.tracking_error**2).mean()))
-    kept = scenario(cart(40.0, 0.1), arms(2), KEPT, CHOSEN, 2.0, 3)
+    kept = scenario(cart(40.0, 0.1), arms(2), USUAL_LOAD_KEPT, CHOSEN_PLACE, 2.0, 3)
     assert (kept.estimation, kept.guess.inertia.mass, kept.gains.velocity) == (FIRST_GUESS, 40.0, 10.0)
 
 
 def test_its_figures():
     """Three trucks, of which a wrong guess has the error of one, falls with one, and is far off with one."""
-    first = Paid(1.0, 0.002, 10.0, 2.0, 20.0, 4.0, 140.0)
+    first = RunCost(1.0, 0.002, 10.0, 2.0, 20.0, 4.0, 140.0)
     paid = dict.fromkeys(product(KNOWLEDGE, PLACES), first)
-    paid[LEARNED, BEST] = replace(first, force=9.8, effort=100.0)
-    paid[LEARNED, CHOSEN] = replace(first, force=7.9, effort=120.0, regrasps=1)
+    paid[LEARNED, BEST_PLACE] = replace(first, force=9.8, effort=100.0)
+    paid[LEARNED, CHOSEN_PLACE] = replace(first, force=7.9, effort=120.0, regrasps=1)
     found = [
-        Compared(Job(15.0, 0.0, 1, 0), 0.002, paid),
-        Compared(Job(80.0, 0.2, 2, 0), 0.002, {**paid, (WRONG, MIDDLE): Paid(1.0, inf)}),
-        Compared(
-            Job(80.0, 0.1, 2, 0), 0.002, {**paid, (WRONG, MIDDLE): replace(first, gain=8.0, error=0.02, force=12.0)}
+        Comparison(Job(15.0, 0.0, 1, 0), 0.002, paid),
+        Comparison(Job(80.0, 0.2, 2, 0), 0.002, {**paid, (WRONG_GUESS_KEPT, MIDDLE_PLACE): RunCost(1.0, inf)}),
+        Comparison(
+            Job(80.0, 0.1, 2, 0),
+            0.002,
+            {**paid, (WRONG_GUESS_KEPT, MIDDLE_PLACE): replace(first, gain=8.0, error=0.02, force=12.0)},
         ),
     ]
     ways, trucks, statics = (rows for _, _, rows in effort_report.tables(found))
@@ -100,4 +102,4 @@ def test_its_figures():
     assert not holds["20 % less rms force than a guess kept that has its error"]
     assert effort_report.as_dict(found[0])["paid"]["learned, best"]["effort"] == 100.0
     assert len(effort_report.figure(found).axes) == 4
-    assert log(found[0].share("force", (LEARNED, BEST), (LEARNED, MIDDLE))) == pytest.approx(log(0.98))
+    assert log(found[0].share("force", (LEARNED, BEST_PLACE), (LEARNED, MIDDLE_PLACE))) == pytest.approx(log(0.98))

@@ -5,7 +5,7 @@ import pytest
 
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.claims import all_kept
-from cartgrasp.studies.estimators import PATHS, SENSORS, WAYS, Answer, Job, Trial, drive, run_trials, truth
+from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive, run_trials, truth
 from cartgrasp.studies.estimators_figures_of_merit import (
     BETTER_COLUMNS,
     COLUMNS,
@@ -27,7 +27,7 @@ def made_up(errors):
     a hundredth of the true values."""
     trials = []
     for path in PATHS:
-        for sensors in SENSORS:
+        for sensors in SENSOR_SETS:
             for seed in (0, 1):
                 answers = {}
                 for way in WAYS:

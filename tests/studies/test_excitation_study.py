@@ -5,17 +5,27 @@ import pytest
 
 from cartgrasp.roles import ContactQuery
 from cartgrasp.studies.claims import all_kept
-from cartgrasp.studies.excitation import ALLOWANCES, E_MOTION, FIXED, PERIODIC, WAYS, Drive, drive, excitation, run_ways
+from cartgrasp.studies.excitation import (
+    ALLOWANCES,
+    E_MOTION,
+    FIXED_WAY,
+    PERIODIC_WAY,
+    WAYS,
+    Drive,
+    drive,
+    excitation,
+    run_ways,
+)
 from cartgrasp.studies.excitation_figures_of_merit import COLUMNS, as_dict, bounds, claims, rows
 from cartgrasp.studies.excitation_plots import figure_excitation
 
 
 def test_what_the_references_can_teach():
     """By the bounds alone: a lever arm less halves the noise on the CoM; the weave teaches every parameter more."""
-    foretold = {way: bounds(way) for way in (FIXED, PERIODIC, E_MOTION)}
-    assert foretold[PERIODIC][1] < 0.6 * foretold[FIXED][1]
-    assert foretold[PERIODIC][0] == pytest.approx(foretold[FIXED][0], rel=0.01), "mass needs no lever"
-    assert (foretold[E_MOTION] < np.minimum(foretold[PERIODIC], foretold[FIXED])).all()
+    foretold = {way: bounds(way) for way in (FIXED_WAY, PERIODIC_WAY, E_MOTION)}
+    assert foretold[PERIODIC_WAY][1] < 0.6 * foretold[FIXED_WAY][1]
+    assert foretold[PERIODIC_WAY][0] == pytest.approx(foretold[FIXED_WAY][0], rel=0.01), "mass needs no lever"
+    assert (foretold[E_MOTION] < np.minimum(foretold[PERIODIC_WAY], foretold[FIXED_WAY])).all()
     for window in excitation(ALLOWANCES[E_MOTION]).windows:
         assert window.effort <= window.least_effort + ALLOWANCES[E_MOTION].effort + 1e-6
         assert window.after <= window.before

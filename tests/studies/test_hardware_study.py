@@ -9,12 +9,12 @@ from cartgrasp.motion import Motion
 from cartgrasp.studies import hardware
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.hardware import (
+    CONTROL_PERIOD,
     EXPERIMENTS,
-    PERIOD,
     PUSH_PULL,
-    RUN,
-    SENSORS,
-    WITH,
+    SENSOR_NOISE,
+    STRAIGHT_RUN,
+    WITH_CASTERS,
     Drive,
     Experiment,
     Outcome,
@@ -37,7 +37,7 @@ from planning.references import PathReference, straight
 def ideal(path):
     """A drive that follows its reference."""
     reference = PathReference(path)
-    times = PERIOD * np.arange(round(reference.duration / PERIOD))
+    times = CONTROL_PERIOD * np.arange(round(reference.duration / CONTROL_PERIOD))
     followed = [reference.at(time) for time in times]
     return Drive(tuple(Motion(one.pose_sb, one.velocity) for one in followed), np.zeros((len(times), 6)))
 
@@ -51,7 +51,9 @@ def made_up(bias=0.0, scatter=1.0, told=1.0, casters=0.2):
         time, bound, runs = np.arange(0.0, 12.0, 0.1), 0.4, 200
         off = random.permutation(np.sort(random.standard_normal(runs)))
         off = bias + scatter * bound * (off - off.mean()) / off.std(ddof=1)
-        shove = np.where(time > 6.0, casters if experiment.casters == WITH else 2.0, 0.0) * (experiment.name == "E5")
+        shove = np.where(time > 6.0, casters if experiment.casters == WITH_CASTERS else 2.0, 0.0) * (
+            experiment.name == "E5"
+        )
         mass = experiment.mass + off[:, None] + shove
         errors = np.column_stack([off, *[0.01 * np.ones(runs)] * 3])
         std = np.full(mass.shape, told * bound)
@@ -61,15 +63,15 @@ def made_up(bias=0.0, scatter=1.0, told=1.0, casters=0.2):
 
 def test_bound_by_hand(monkeypatch):
     """On a straight run a force is m u' + c u + k, and c and k as good as unknown; noise of the motion costs some."""
-    driven = ideal(RUN)
+    driven = ideal(STRAIGHT_RUN)
     u = np.array([motion.velocity[0] for motion in driven.motions])
-    middle, a = (u[1:] + u[:-1]) / 2, np.diff(u) / PERIOD
+    middle, a = (u[1:] + u[:-1]) / 2, np.diff(u) / CONTROL_PERIOD
     X = np.column_stack([a, middle, np.ones_like(a)])[middle >= 0.05]
-    by_hand = SENSORS.force * np.sqrt(np.linalg.inv(X.T @ X)[0, 0])
-    whole = mass_bound(Experiment("run", 25.0, RUN), driven)
+    by_hand = SENSOR_NOISE.force * np.sqrt(np.linalg.inv(X.T @ X)[0, 0])
+    whole = mass_bound(Experiment("run", 25.0, STRAIGHT_RUN), driven)
     exact = dict.fromkeys(("position", "heading", "linear_velocity", "yaw_rate"), 1e-7)
-    monkeypatch.setattr(hardware, "SENSORS", replace(SENSORS, **exact))
-    assert mass_bound(Experiment("run", 25.0, RUN), driven) == pytest.approx(by_hand, rel=0.01)
+    monkeypatch.setattr(hardware, "SENSOR_NOISE", replace(SENSOR_NOISE, **exact))
+    assert mass_bound(Experiment("run", 25.0, STRAIGHT_RUN), driven) == pytest.approx(by_hand, rel=0.01)
     assert by_hand < whole < 1.1 * by_hand
 
 
@@ -78,7 +80,7 @@ def test_reversals():
     times = reversal_times(ideal(PUSH_PULL))
     assert len(times) == 7
     assert np.allclose(np.diff(times), 7.55, atol=0.011)
-    assert len(reversal_times(ideal(RUN))) == 0
+    assert len(reversal_times(ideal(STRAIGHT_RUN))) == 0
 
 
 def test_figures(tmp_path):

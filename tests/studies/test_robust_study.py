@@ -7,7 +7,7 @@ import pytest
 
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.robust_margins import PRIOR, Run, believed, drawn, drive, run_seeds
-from cartgrasp.studies.robust_margins_figures_of_merit import BEYOND, COLUMNS, as_dict, claims, laps, rows
+from cartgrasp.studies.robust_margins_figures_of_merit import COLUMNS, LIMIT_TOLERANCE, as_dict, claims, laps, rows
 from cartgrasp.studies.robust_margins_plots import figure_robust_margins
 
 
@@ -22,9 +22,9 @@ def test_a_first_stop(stop):
     assert drawn(5).inertia.com[0] < believed().inertia.com[0] - PRIOR.com
     hard = stop.is_hard
     assert hard.sum() > 10
-    assert (stop.room[hard, 0] < -BEYOND).all()
+    assert (stop.room[hard, 0] < -LIMIT_TOLERANCE).all()
     assert (stop.room[hard, 1] > 0).all()
-    assert np.abs(stop.room[hard, 2]).max() < BEYOND, "the known cart is planned to its limit"
+    assert np.abs(stop.room[hard, 2]).max() < LIMIT_TOLERANCE, "the known cart is planned to its limit"
     assert stop.efforts[hard, 1].mean() > 1.1 * stop.efforts[hard, 2].mean()
     assert stop.reserve[hard].min() > 10.0
     assert {status for tick in stop.ticks for status in tick.statuses} <= {"optimal", "relaxed"}

@@ -18,7 +18,7 @@ from hypothesis.extra.numpy import arrays
 from cartgrasp.simulation.record import RunRecord, Series
 from cartgrasp.view.outline import body_outline
 from cartgrasp.view.player import player_page, write_player
-from cartgrasp.view.player_data import MOST_FRAMES, column, frame_indices, player_data
+from cartgrasp.view.player_data import MAX_PLAYER_FRAMES, column, frame_indices, player_data
 from cartgrasp.view.shown_run import ShownRun
 from cartgrasp.wheels import Wheel
 
@@ -247,8 +247,8 @@ def test_frames_keep_both_ends_and_the_video_rate(time: np.ndarray):
     assert frames[0] == 0
     assert frames[-1] == len(time) - 1
     assert (np.diff(frames) > 0).all()
-    assert len(frames) <= min(MOST_FRAMES + 1, 30 * (time[-1] - time[0]) + 3)
-    step = max(1 / 30, (time[-1] - time[0]) / (MOST_FRAMES - 1))
+    assert len(frames) <= min(MAX_PLAYER_FRAMES + 1, 30 * (time[-1] - time[0]) + 3)
+    step = max(1 / 30, (time[-1] - time[0]) / (MAX_PLAYER_FRAMES - 1))
     skipped = np.diff(frames) > 1
     assert (np.diff(time[frames])[skipped] <= 2 * step + 1e-6).all()
 

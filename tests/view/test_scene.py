@@ -17,7 +17,7 @@ from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.view import rendering
 from cartgrasp.view.plots import OKABE_ITO
 from cartgrasp.view.rendering import rendered, write_scene
-from cartgrasp.view.scene import HEIGHT, WIDTH, Scene
+from cartgrasp.view.scene import SCENE_HEIGHT, SCENE_WIDTH, Scene
 from cartgrasp.view.shown_run import ShownRun
 
 from .offscreen import needs_opengl
@@ -58,7 +58,7 @@ def test_wheels_are_where_physics_has_them(shown: ShownRun):
 def test_what_a_picture_shows(shown: ShownRun, tmp_path):
     path = write_scene(shown, tmp_path / "scene.png")
     pixels = imread(path)[..., :3]
-    assert pixels.shape == (HEIGHT, WIDTH, 3)
+    assert pixels.shape == (SCENE_HEIGHT, SCENE_WIDTH, 3)
     for colour in OKABE_ITO[: len(shown.contacts)]:
         assert like(pixels, colour) > 50
     silent = replace(shown, wrenches={name: 0 * wrench for name, wrench in shown.wrenches.items()})
@@ -92,7 +92,7 @@ def test_a_gif_moves(shown: ShownRun, tmp_path):
     short = replace(short, time=short.time * 0.02)
     told: list[float] = []
     with Image.open(write_scene(short, tmp_path / "scene.gif", told.append)) as moving:
-        assert moving.size == (WIDTH // 2, HEIGHT // 2)
+        assert moving.size == (SCENE_WIDTH // 2, SCENE_HEIGHT // 2)
         assert 5 < getattr(moving, "n_frames", 1) == len(told)
 
 

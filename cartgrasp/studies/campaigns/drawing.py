@@ -13,7 +13,7 @@ from ...model import CartModel
 
 PHYSICAL = ("mass", "com_x", "com_y", "inertia")
 UNIFORM, NORMAL = "uniform", "normal"
-MOST_TRIES = 1000
+MAX_DRAWS = 1000
 
 
 @dataclass(frozen=True)
@@ -42,11 +42,11 @@ def parameter_names(cart: CartModel) -> tuple[str, ...]:
 
 def drawn_values(drawn: Sequence[Drawn], cart: CartModel, random: np.random.Generator) -> dict[str, float]:
     """A value for each; what together is no cart is drawn again."""
-    for _ in range(MOST_TRIES):
+    for _ in range(MAX_DRAWS):
         values = {one.parameter: one.draw(random) for one in drawn}
         if _is_cart(cart, values):
             return values
-    raise UsageError(f"drawn: none of {MOST_TRIES} draws is a cart: mass and inertia > 0, effects within their bounds")
+    raise UsageError(f"drawn: none of {MAX_DRAWS} draws is a cart: mass and inertia > 0, effects within their bounds")
 
 
 def with_values(cart: CartModel, values: dict[str, float]) -> CartModel:

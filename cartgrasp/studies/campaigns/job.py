@@ -56,14 +56,14 @@ class Study(Protocol):
 
 
 @dataclass(frozen=True)
-class Done:
+class JobResult:
     """A job's key, and the text that is kept of it."""
 
     key: str
     text: str
 
 
-def work(job: Job, version: str) -> Done:
+def work(job: Job, version: str) -> JobResult:
     """Does a job, in whichever process this is, which must have the code that asked for it."""
     if version != code_version():
         raise UsageError(f"this worker has cartgrasp {code_version()}, the campaign {version}; install the same code")
@@ -73,7 +73,7 @@ def work(job: Job, version: str) -> Done:
     except FAILURES as error:
         result = {"failure": str(error) or type(error).__name__}
     told = finite({"seed": job.seed, "version": version, **result})
-    return Done(job.key, json.dumps(told, ensure_ascii=False, allow_nan=False) + "\n")
+    return JobResult(job.key, json.dumps(told, ensure_ascii=False, allow_nan=False) + "\n")
 
 
 @cache

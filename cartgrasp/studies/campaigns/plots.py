@@ -13,7 +13,7 @@ from matplotlib.figure import Figure
 from ...view.figures import save_figure
 from ...view.plots import GREEN, PURPLE, house_style
 
-ACROSS = 3
+PLOT_COLUMNS = 3
 
 
 def draw_errors(axes: Axes, results: Sequence[Mapping[str, Any]], name: str) -> None:
@@ -47,9 +47,9 @@ def draw_tracking(axes: Axes, results: Sequence[Mapping[str, Any]]) -> None:
 def figure_campaign(results: Sequence[Mapping[str, Any]], names: Sequence[str]) -> Figure:
     """Tracking, and each of these parameters."""
     with house_style():
-        down = -(-(len(names) + 1) // ACROSS)
-        figure = Figure(figsize=(2.8 * ACROSS, 2.2 * down), layout="constrained")
-        first, *others = figure.subplots(down, ACROSS, squeeze=False).ravel()
+        down = -(-(len(names) + 1) // PLOT_COLUMNS)
+        figure = Figure(figsize=(2.8 * PLOT_COLUMNS, 2.2 * down), layout="constrained")
+        first, *others = figure.subplots(down, PLOT_COLUMNS, squeeze=False).ravel()
         draw_tracking(first, results)
         for axes, name in zip(others, names, strict=False):
             draw_errors(axes, results, name)

@@ -10,7 +10,7 @@ from typing import Any
 
 from ...errors import FileError, Place
 from ...writing import write_atomically
-from .job import Done
+from .job import JobResult
 
 
 @dataclass(frozen=True)
@@ -31,7 +31,7 @@ class Results:
     def has(self, key: str) -> bool:
         return self._path(key).is_file()
 
-    def keep(self, done: Done) -> Path:
+    def keep(self, done: JobResult) -> Path:
         return write_atomically(self._path(done.key), done.text)
 
     def read(self, keys: Iterable[str]) -> list[dict[str, Any]]:

@@ -16,7 +16,7 @@ from ...yaml_file import StrictModel
 from ..scenario import FIRST_GUESS, LEARNING, PAPER
 
 ESTIMATIONS = {"learning": LEARNING, "first_guess": FIRST_GUESS, "paper": PAPER}
-CHOOSING, REGRASP, CAUTION = Choosing(), RegraspTimes(), Caution()
+DEFAULT_CHOOSING, DEFAULT_REGRASP, DEFAULT_CAUTION = Choosing(), RegraspTimes(), Caution()
 Pair = Annotated[list[float], Field(min_length=2, max_length=2)]
 
 
@@ -34,31 +34,31 @@ class SwitchingEntry(StrictModel):
 class ChoosingEntry(StrictModel):
     """The settings of `Choosing`, whose noise is the filter's."""
 
-    every: Positive = CHOOSING.every
-    ahead: Positive = CHOOSING.ahead
-    asked: dict[str, Positive] = Field(default_factory=lambda: dict(CHOOSING.asked))
-    extra_effort: NotNegative = CHOOSING.extra_effort
-    regrasp_effort: NotNegative = CHOOSING.regrasp_effort
-    min_hand_distance: NotNegative = CHOOSING.min_hand_distance
+    every: Positive = DEFAULT_CHOOSING.every
+    ahead: Positive = DEFAULT_CHOOSING.ahead
+    asked: dict[str, Positive] = Field(default_factory=lambda: dict(DEFAULT_CHOOSING.asked))
+    extra_effort: NotNegative = DEFAULT_CHOOSING.extra_effort
+    regrasp_effort: NotNegative = DEFAULT_CHOOSING.regrasp_effort
+    min_hand_distance: NotNegative = DEFAULT_CHOOSING.min_hand_distance
 
 
 class RegraspEntry(StrictModel):
     """The settings of `RegraspTimes`."""
 
-    speed: Positive = REGRASP.speed
-    unload: NotNegative = REGRASP.unload
-    take_hold: NotNegative = REGRASP.take_hold
-    load: NotNegative = REGRASP.load
+    speed: Positive = DEFAULT_REGRASP.speed
+    unload: NotNegative = DEFAULT_REGRASP.unload
+    take_hold: NotNegative = DEFAULT_REGRASP.take_hold
+    load: NotNegative = DEFAULT_REGRASP.load
 
 
 class CautionEntry(StrictModel):
     """The settings of `Caution`."""
 
-    pace: dict[str, float] = Field(default_factory=lambda: dict(CAUTION.pace))
-    widen: dict[str, float] = Field(default_factory=lambda: dict(CAUTION.widen))
-    change: Positive = CAUTION.change
-    short: NotNegative = CAUTION.short
-    behind: Positive = CAUTION.behind
+    pace: dict[str, float] = Field(default_factory=lambda: dict(DEFAULT_CAUTION.pace))
+    widen: dict[str, float] = Field(default_factory=lambda: dict(DEFAULT_CAUTION.widen))
+    change: Positive = DEFAULT_CAUTION.change
+    short: NotNegative = DEFAULT_CAUTION.short
+    behind: Positive = DEFAULT_CAUTION.behind
 
 
 class GainsEntry(StrictModel):

@@ -26,7 +26,7 @@ from ...simulation.sensors import SensorNoise
 from ...yaml_file import did_you_mean, file_error, parse_yaml, plain, read_yaml, validate
 from ..named_paths import named_path
 from ..scenario import Scenario, total_duration
-from ..shopping_cart import FIRM
+from ..shopping_cart import FIRM_GAINS
 from .closed_loop import ClosedLoopStudy
 from .drawing import NORMAL, UNIFORM, Drawn, parameter_names
 from .logs import LogStudy
@@ -41,13 +41,13 @@ from .schema import (
 )
 
 Refuse = Callable[[list[str | int], str], FileError]
-SHARED = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
+SHARED_NOISE_KEYS = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
 """What filter and sensors both have."""
-NEWER = ("contacts", "choosing", "regrasp")
+CONTACT_KEYS = ("contacts", "choosing", "regrasp")
 """Keys that hashes of studies without `contacts` don't know."""
-GUARDS = ("cart_limits", "confidence", "caution", "disturbances")
+GUARD_KEYS = ("cart_limits", "confidence", "caution", "disturbances")
 """Keys that hashes of studies without them don't know."""
-MOST_STEPS, MOST_WITHIN = 1_000_000, 1_000
+MAX_CONTROL_STEPS, MAX_PLANT_SUBSTEPS = 1_000_000, 1_000
 """Periods of control in a run, and steps of the plant in one of them."""
 
 
@@ -103,7 +103,7 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
     if guess.constraints != truth.constraints:
         raise carts.refuse(["closed_loop", "guess"], "its constraints differ from the cart's; they must be the same")
     scenario = _scenario(loop, truth, guess, carts)
-    unknown = [*(NEWER if loop.contacts is None else ()), *(key for key in GUARDS if not getattr(loop, key))]
+    unknown = [*(CONTACT_KEYS if loop.contacts is None else ()), *(key for key in GUARD_KEYS if not getattr(loop, key))]
     told = loop.model_dump(mode="json", exclude={"cart", "guess", *unknown})
     told["arms"] = [_told_arm(arm, carts.path.parent) for arm in told["arms"]]
     drawn = {name: one.model_dump(exclude_none=True) for name, one in entry.drawn.items()}
@@ -120,7 +120,7 @@ def _closed_loop(entry: StudyEntry, loop: ClosedLoopEntry, carts: _Carts) -> Clo
 def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, carts: _Carts) -> Scenario:
     refuse, folder = carts.refuse, carts.path.parent
     sensors = SensorNoise(**loop.sensors.model_dump())
-    told = {name: getattr(sensors, name) for name in SHARED} | loop.filter.model_dump(exclude_none=True)
+    told = {name: getattr(sensors, name) for name in SHARED_NOISE_KEYS} | loop.filter.model_dump(exclude_none=True)
     noise = FilterNoise(**told)
     known, stretches = _known(loop, guess, refuse), _stretches(loop, guess, refuse)
     _check_steps(loop, total_duration(stretches), refuse)
@@ -135,7 +135,7 @@ def _scenario(loop: ClosedLoopEntry, truth: CartModel, guess: CartModel, carts: 
         known=known,
         estimation=ESTIMATIONS[loop.estimation],
         plant=loop.plant,
-        gains=Gains(**vars(FIRM) | loop.gains.model_dump(exclude_none=True)),
+        gains=Gains(**vars(FIRM_GAINS) | loop.gains.model_dump(exclude_none=True)),
         period=loop.period,
         plant_timestep=loop.plant_timestep,
         duration=loop.duration,
@@ -189,12 +189,12 @@ def _check_steps(loop: ClosedLoopEntry, path: float, refuse: Refuse) -> None:
     steps = lasting / loop.period
     if steps >= 2:
         steps = max(steps, path / loop.period)
-    if not 2 <= steps <= MOST_STEPS:
+    if not 2 <= steps <= MAX_CONTROL_STEPS:
         keys = [key for key in ("period", "duration", "path") if key in loop.model_fields_set]
-        why = f"a run of {steps:.3g} periods of control; 2 to {MOST_STEPS:,} can be"
+        why = f"a run of {steps:.3g} periods of control; 2 to {MAX_CONTROL_STEPS:,} can be"
         raise refuse(["closed_loop", *keys[:1]], why)
-    if loop.plant_timestep is not None and loop.period / loop.plant_timestep > MOST_WITHIN:
-        why = f"is below a {MOST_WITHIN:,}th of the control period of {loop.period:g} s; give a longer one"
+    if loop.plant_timestep is not None and loop.period / loop.plant_timestep > MAX_PLANT_SUBSTEPS:
+        why = f"is below a {MAX_PLANT_SUBSTEPS:,}th of the control period of {loop.period:g} s; give a longer one"
         raise refuse(["closed_loop", "plant_timestep"], why)
 
 

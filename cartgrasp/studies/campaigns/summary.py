@@ -9,8 +9,8 @@ from typing import Any
 
 import numpy as np
 
-TRACKING = {"largest": "largest_error", "largest from 5 s on": "error_after_5", "rms": "rms_error"}
-TWO_SIGMA = 2.0
+TRACKING_FIGURES = {"largest": "largest_error", "largest from 5 s on": "error_after_5", "rms": "rms_error"}
+COVERAGE_SIGMAS = 2.0
 PARAMETER_COLUMNS = ("parameter", "error, mean", "error, sd", "claimed sd", "in 2 sd", "taught")
 TRACKING_COLUMNS = ("tracking error", "mean", "sd", "95 %", "largest")
 LOG_COLUMNS = ("parameter", "logs", "mean", "sd", "claimed sd")
@@ -42,7 +42,7 @@ class ParameterSummary:
             mean_error=float(error.mean()),
             sd_error=float(error.std()),
             mean_std=float(std.mean()),
-            coverage=float((np.abs(error) <= TWO_SIGMA * std).mean()),
+            coverage=float((np.abs(error) <= COVERAGE_SIGMAS * std).mean()),
             taught=float(np.mean([one["identifiable"] for one in found])),
         )
 
@@ -86,7 +86,7 @@ class RunsSummary:
     @classmethod
     def of(cls, results: Sequence[Mapping[str, Any]]) -> RunsSummary:
         good = [one for one in results if "failure" not in one]
-        spreads = {name: Spread.of(one[key] for one in good) for name, key in TRACKING.items()}
+        spreads = {name: Spread.of(one[key] for one in good) for name, key in TRACKING_FIGURES.items()}
         return cls(
             runs=len(results),
             failures=failures(results),

@@ -6,18 +6,18 @@ from collections.abc import Callable, Iterator, Sequence
 from typing import Any
 
 from ...errors import CartgraspError, UsageError
-from .job import Done, Job, code_version, work
+from .job import Job, JobResult, code_version, work
 
-Workers = Callable[[Sequence[Job]], Iterator[Done]]
+Workers = Callable[[Sequence[Job]], Iterator[JobResult]]
 """Yields what is done as it gets done, in any order."""
 
-CONNECT = 10
+CONNECT_TIMEOUT = 10
 """s."""
-MOST_LOSSES = 3
+MAX_WORKER_LOSSES = 3
 """Times in a row that workers may die without anything done."""
 
 
-def here(jobs: Sequence[Job]) -> Iterator[Done]:
+def here(jobs: Sequence[Job]) -> Iterator[JobResult]:
     """One after the other."""
     for job in jobs:
         yield work(job, code_version())
@@ -26,7 +26,7 @@ def here(jobs: Sequence[Job]) -> Iterator[Done]:
 def over_cores(count: int) -> Workers:
     """Over so many processes. When one is killed, what was under way is done again."""
 
-    def done(jobs: Sequence[Job]) -> Iterator[Done]:
+    def done(jobs: Sequence[Job]) -> Iterator[JobResult]:
         left, losses = {job.key: job for job in jobs}, 0
         while left:
             before = len(left)
@@ -36,7 +36,7 @@ def over_cores(count: int) -> Workers:
                     yield one
             except _worker_lost():
                 losses = losses + 1 if len(left) == before else 0
-                if losses == MOST_LOSSES:
+                if losses == MAX_WORKER_LOSSES:
                     why = "is there memory enough? try fewer with --workers"
                     raise CartgraspError(f"campaign: worker processes died {losses} times in a row; {why}") from None
 
@@ -46,7 +46,7 @@ def over_cores(count: int) -> Workers:
 def on_cluster(address: str) -> Workers:
     """On the workers of a Dask scheduler, which does again what a killed one had."""
 
-    def done(jobs: Sequence[Job]) -> Iterator[Done]:
+    def done(jobs: Sequence[Job]) -> Iterator[JobResult]:
         from distributed import as_completed
         from distributed.scheduler import KilledWorker
 
@@ -63,7 +63,7 @@ def on_cluster(address: str) -> Workers:
     return done
 
 
-def _in_processes(jobs: Sequence[Job], count: int) -> Iterator[Done]:
+def _in_processes(jobs: Sequence[Job], count: int) -> Iterator[JobResult]:
     from joblib import Parallel, delayed, parallel_config
 
     version = code_version()
@@ -85,7 +85,7 @@ def _client(address: str) -> Any:
     except ImportError as error:
         raise UsageError("--scheduler needs Dask: in cartgrasp's clone, pip install '.[dask]'") from error
     try:
-        return Client(address, timeout=CONNECT, set_as_default=False)
+        return Client(address, timeout=CONNECT_TIMEOUT, set_as_default=False)
     except (OSError, ValueError) as error:
         why = "no scheduler answers there; start one with `dask scheduler`"
         raise UsageError(f"--scheduler {address}: {why} ({error})") from error

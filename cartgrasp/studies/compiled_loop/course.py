@@ -16,10 +16,10 @@ from ...contacts import grasp_map_planar
 from ...frames import Array
 from ...roles import ContactQuery, ContactSource
 from ..scenario import Scenario
-from .values import Course, Series
+from .values import RunHistory, RunInputs
 
 
-def course_of(scenario: Scenario) -> Course:
+def inputs_of(scenario: Scenario) -> RunInputs:
     """Reference, contacts and laws, worked out for each step."""
     guess = scenario.guess
     time, pose, velocity, acceleration = _reference(
@@ -37,7 +37,7 @@ def course_of(scenario: Scenario) -> Course:
     reduced = guess.basis_b.T @ grasp
     each = np.tile(np.diag(scenario.noise.wrench_covariance), len(yaws))
     rolling, gains = guess.rolling, scenario.gains
-    return Course(
+    return RunInputs(
         time=time,
         pose=pose,
         velocity=velocity,
@@ -67,7 +67,7 @@ def _reference(
     return time, pose, velocity, acceleration
 
 
-def noise_of(scenario: Scenario, time: Array, n_state: int) -> Series:
+def noise_of(scenario: Scenario, time: Array, n_state: int) -> RunHistory:
     """All that the sensors will add, drawn in the order in which `Sensors` draws."""
     noise, n, arms = scenario.sensors, len(time), len(scenario.arms)
     pose = np.tile([noise.position, noise.position, noise.heading], (n, 1))
@@ -82,7 +82,7 @@ def noise_of(scenario: Scenario, time: Array, n_state: int) -> Series:
     drawn[is_drawn] = np.random.default_rng(scenario.seed).standard_normal(int(is_drawn.sum()))
     parts = np.split(drawn, [3, 6], axis=1)
     pose, velocity, felt = (np.ascontiguousarray(a * b) for a, b in zip((pose, velocity, felt), parts, strict=True))
-    return Series(np.empty((n, n_state)), np.empty((n, 6 * arms)), pose, velocity, felt)
+    return RunHistory(np.empty((n, n_state)), np.empty((n, 6 * arms)), pose, velocity, felt)
 
 
 def _due(time: Array, period: float | None) -> np.ndarray:

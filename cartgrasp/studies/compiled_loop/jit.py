@@ -11,12 +11,12 @@ from planning.kernels.jit import DIGEST as PLANNING
 
 from ...compiling import JIT_OPTIONS, cached_as, digest
 
-SOURCES = (
+LOOP_SOURCES = (
     Path(steering.__file__),
     *(Path(__file__).with_name(name) for name in ("jit.py", "tick.py", "values.py")),
 )
-OWN = digest([path.read_bytes() for path in SOURCES])
-entry = cached_as("_".join((OWN, ESTIMATION, PLANNING)), JIT_OPTIONS)
+LOOP_DIGEST = digest([path.read_bytes() for path in LOOP_SOURCES])
+entry = cached_as("_".join((LOOP_DIGEST, ESTIMATION, PLANNING)), JIT_OPTIONS)
 making_arrays = row_compiled
 
 __all__ = ["compiled", "entry", "making_arrays"]

@@ -32,11 +32,11 @@ from ...simulation.record import RunRecord
 from ...simulation.record import Series as Estimated
 from ..scenario import LEARNING, MODEL_PLANT, Scenario, with_truth
 from . import tick
-from .course import course_of, noise_of
-from .values import Blocks, Held
+from .course import inputs_of, noise_of
+from .values import LoopState, Workspaces
 
-LONGEST_PERIOD = 0.05
-ROOM = 8
+MAX_CONTROL_PERIOD = 0.05
+SPARE_MOMENTS = 8
 """Moments that there is room for beside those of a row."""
 
 
@@ -53,7 +53,7 @@ def covers(scenario: Scenario) -> bool:
     if scenario.cart_limits or scenario.caution is not None or scenario.disturbances:
         return False
     plain = all(cart.is_compiled and not cart.slip_compliance and not cart.sensor_effects for cart in (truth, guess))
-    steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= LONGEST_PERIOD
+    steered = guess.constraints.n_rows == 1 and truth.rolling == guess.rolling and scenario.period <= MAX_CONTROL_PERIOD
     plain_arms = all(arm.reach is None and arm.postures is None for arm in scenario.arms)
     still = plain_arms and not any(np.isfinite(arm.wrench_rate).any() for arm in scenario.arms)
     headings_alone = all(isinstance(effect, WheelForce) for effect in guess.memory_drivers)
@@ -77,7 +77,7 @@ def _allocation(scenario: Scenario) -> CompiledAllocation | None:
     return CompiledAllocation.of(template, template.cost(np.zeros(template.n)))
 
 
-class Known(NamedTuple):
+class Belief(NamedTuple):
     """What is believed of the parameters (p,) from a step on, with covariance (p, p)."""
 
     step: int
@@ -93,15 +93,15 @@ class _Run:
         core, allocation = _core(scenario), _allocation(scenario)
         assert allocation is not None
         self.core, self.names = core, [arm.name for arm in scenario.arms]
-        self.course = course_of(scenario)
+        self.course = inputs_of(scenario)
         state = truth.state()
         self.series = noise_of(scenario, self.course.time, len(state))
         self._begin(state)
         self.blocks = self._blocks(allocation)
         self.held = self._held(state)
-        self.at: Ints = np.array([0, tick.TRACK, 1, -1, 0])
+        self.at: Ints = np.array([0, tick.STAGE_TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
-        self.known = [Known(0, core.learner.theta, core.learner.told_covariance)]
+        self.known = [Belief(0, core.learner.theta, core.learner.told_covariance)]
 
     # --- to the end -------------------------------------------------------------------------------------------
 
@@ -109,36 +109,36 @@ class _Run:
         s = self.scenario
         stable = MAX_STEP_STIFFNESS if s.truth.effects else np.inf
         limits = s.period, s.plant_timestep or MAX_STEP, stable
-        while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.DONE:
-            if code == tick.ROW:
+        while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.RUN_DONE:
+            if code == tick.ROW_DUE:
                 self._take_row()
-            elif code == tick.UNPLANNED:
+            elif code == tick.PLAN_MISSING:
                 self._plan()
             else:
-                time = self.course.time[self.at[tick.STEP]] + s.period
+                time = self.course.time[self.at[tick.I_STEP]] + s.period
                 raise PlantError(f"the simulated cart's state is not finite at t = {time:.3f} s")
         return self._recorded()
 
     def _take_row(self) -> None:
         """What `LearningFilter.take` does with a row, and with what it teaches."""
-        k, learner = int(self.at[tick.STEP]), self.core.learner
-        self.at[tick.MOMENTS] = learner.followed(int(self.at[tick.MOMENTS]), float(self.course.time[k - 1]))
-        self.at[tick.UNFINISHED] = learner.is_unfinished
+        k, learner = int(self.at[tick.I_STEP]), self.core.learner
+        self.at[tick.I_MOMENTS] = learner.followed(int(self.at[tick.I_MOMENTS]), float(self.course.time[k - 1]))
+        self.at[tick.I_UNFINISHED] = learner.is_unfinished
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed
-            self.known.append(Known(k, learner.theta, learner.told_covariance))
+            self.known.append(Belief(k, learner.theta, learner.told_covariance))
 
     def _plan(self) -> None:
         """A wrench whose plan isn't proven by the kernels alone."""
-        k = self.at[tick.STEP]
+        k = self.at[tick.I_STEP]
         before = self.course.points[self.course.place[max(k - 1, 0)]]
         self._planner.start_from(self._by_arm(self.held.wrenches), dict(zip(self.names, before, strict=True)))
         contacts = dict(zip(self.names, self.course.points[self.course.place[k]], strict=True))
         plan = self._planner.plan_or_hold(self.held.wanted, contacts=contacts)
         self.held.wrenches[:] = np.concatenate([plan.contact_wrenches.wrenches[name] for name in self.names])
         self.statuses[k] = plan.status
-        self.at[tick.STAGE] = tick.GIVE
+        self.at[tick.I_STAGE] = tick.STAGE_APPLY
 
     @cached_property
     def _planner(self) -> WrenchPlanner:
@@ -155,19 +155,19 @@ class _Run:
         velocity = None if np.isnan(series.velocity[0]).any() else series.velocity[0]
         self.core.take(Measurement(0.0, series.pose[0], velocity))
 
-    def _blocks(self, allocation: CompiledAllocation) -> Blocks:
+    def _blocks(self, allocation: CompiledAllocation) -> Workspaces:
         s, tracker = self.scenario, self.core.learner.tracker
-        tracker.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + ROOM)
+        tracker.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + SPARE_MOMENTS)
         carts = s.truth.dynamics.floats, s.truth.dynamics.ints, s.guess.dynamics.floats, s.guess.dynamics.ints
-        return Blocks(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks)
+        return Workspaces(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks)
 
-    def _held(self, state: Array) -> Held:
+    def _held(self, state: Array) -> LoopState:
         s, f, N, P = self.scenario, self.scenario.guess.constraints.n_free, len(state), self.scenario.truth.parameters
         n, p, k = len(s.guess.state_names), len(s.guess.parameters), len(s.guess.memory_names)
         dynamics = s.guess.dynamics
         widest = max(f * (1 + n + f + p) + k * (1 + n + p), dynamics.n_sums + k + 3 * dynamics.most_stictions)
         given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + 2)])[None]
-        return Held(
+        return LoopState(
             state=state,
             theta=self.core.learner.theta.copy(),
             believed=self.core.learner.believed.copy(),

@@ -22,18 +22,18 @@ from ...kernels import entries
 from ...kernels.jit import Ints
 from ...kernels.workspace import MEMORY_COLUMN, N_PHI, copy
 from .jit import compiled, entry, making_arrays
-from .values import Blocks, Course, Held, Series
+from .values import LoopState, RunHistory, RunInputs, Workspaces
 
-DONE, ROW, UNPLANNED, FAILED = range(4)
+RUN_DONE, ROW_DUE, PLAN_MISSING, STATE_NOT_FINITE = range(4)
 """All steps are taken; a row of the regression may be due; the wrench wanted has no proven plan; the plant's state is
 not finite."""
-TRACK, GIVE = range(2)
+STAGE_TRACK, STAGE_APPLY = range(2)
 """Where a step goes on: with the wrench wanted, or with one that is planned."""
-STEP, STAGE, MOMENTS, PLACE, UNFINISHED = range(5)
+I_STEP, I_STAGE, I_MOMENTS, I_PLACE, I_UNFINISHED = range(5)
 """Entries of `at`: the step, its stage, how many moments are tracked, the place in the planner's workspace (-1: none),
 and whether a row is left unfinished (1)."""
 
-Limits = tuple[float, float, float]
+StepLimits = tuple[float, float, float]
 """The period; the plant's longest step, and `stable` of step times stiffness."""
 
 error_b, steered = compiled(steering.error_b), compiled(steering.steered)
@@ -42,31 +42,33 @@ over = compiled(row_algebra.over)
 
 
 @entry
-def go_on(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints, limits: Limits) -> int:
+def go_on(
+    course: RunInputs, blocks: Workspaces, held: LoopState, series: RunHistory, at: Ints, limits: StepLimits
+) -> int:
     """Runs the loop on from where `at` (5,) is; returns why it stops."""
-    while at[STEP] < len(course.time):
-        if at[STAGE] == TRACK:
-            _want(course, blocks, held, at[STEP])
+    while at[I_STEP] < len(course.time):
+        if at[I_STAGE] == STAGE_TRACK:
+            _want(course, blocks, held, at[I_STEP])
             if not _plan(course, blocks, held, at):
-                return UNPLANNED
-        at[STAGE] = TRACK
-        copy(held.state, series.state[at[STEP]])
-        copy(held.wrenches, series.wrenches[at[STEP]])
-        _feel(course, blocks, held, series.felt[at[STEP]], at)
-        _push(course, blocks, held, at[STEP], limits)
+                return PLAN_MISSING
+        at[I_STAGE] = STAGE_TRACK
+        copy(held.state, series.state[at[I_STEP]])
+        copy(held.wrenches, series.wrenches[at[I_STEP]])
+        _feel(course, blocks, held, series.felt[at[I_STEP]], at)
+        _push(course, blocks, held, at[I_STEP], limits)
         for i in range(len(held.state)):
             if not math.isfinite(held.state[i]):
-                return FAILED
-        at[STEP] += 1
-        if at[STEP] < len(course.time):
+                return STATE_NOT_FINITE
+        at[I_STEP] += 1
+        if at[I_STEP] < len(course.time):
             _see(course, blocks, held, series, at)
-            if at[UNFINISHED] or over(blocks.rows[: at[MOMENTS]])[0] > 0:
-                return ROW
-    return DONE
+            if at[I_UNFINISHED] or over(blocks.rows[: at[I_MOMENTS]])[0] > 0:
+                return ROW_DUE
+    return RUN_DONE
 
 
 @compiled
-def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
+def _want(course: RunInputs, blocks: Workspaces, held: LoopState, k: int) -> None:
     """The tracker's wrench, for the motion and the cart that are believed."""
     d, law = unpack_driven(blocks.driven, blocks.plan), course.law
     asked, states, told = held.asked, held.states, held.told
@@ -98,23 +100,23 @@ def _want(course: Course, blocks: Blocks, held: Held, k: int) -> None:
 
 
 @compiled
-def _plan(course: Course, blocks: Blocks, held: Held, at: Ints) -> bool:
-    w, place, wanted = unpack_planner(blocks.planner, blocks.planner_ints), course.place[at[STEP]], held.wanted
-    moved = place != at[PLACE]
+def _plan(course: RunInputs, blocks: Workspaces, held: LoopState, at: Ints) -> bool:
+    w, place, wanted = unpack_planner(blocks.planner, blocks.planner_ints), course.place[at[I_STEP]], held.wanted
+    moved = place != at[I_PLACE]
     for arm in range(len(w.points) if moved else 0):
         copy(course.points[place, arm], w.points[arm])
     if allocate(blocks.planner, blocks.planner_ints, (wanted[0], wanted[1], wanted[2]), moved) != 0:
-        at[PLACE] = -1
+        at[I_PLACE] = -1
         return False
-    at[PLACE] = place
+    at[I_PLACE] = place
     copy(w.claim.x, held.wrenches)
     return True
 
 
 @compiled
-def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> None:
+def _feel(course: RunInputs, blocks: Workspaces, held: LoopState, felt: Array, at: Ints) -> None:
     """The wrench as recorded: for the next row, and to drive the motion."""
-    i, time, grip = at[MOMENTS] - 1, course.time[at[STEP]], course.grip[course.place[at[STEP]]]
+    i, time, grip = at[I_MOMENTS] - 1, course.time[at[I_STEP]], course.grip[course.place[at[I_STEP]]]
     for j in range(len(felt)):
         felt[j] += held.wrenches[j]
     room = known_of(blocks.known, len(grip)).room
@@ -123,7 +125,7 @@ def _feel(course: Course, blocks: Blocks, held: Held, felt: Array, at: Ints) -> 
 
 
 @compiled
-def _push(course: Course, blocks: Blocks, held: Held, k: int, limits: Limits) -> None:
+def _push(course: RunInputs, blocks: Workspaces, held: LoopState, k: int, limits: StepLimits) -> None:
     """The plant's period, in steps that are short and stable enough."""
     period, longest, stable = limits
     given, found, n = held.given, held.found, len(held.state)
@@ -165,9 +167,9 @@ def _stiffness(matrix: Array) -> float:
 
 
 @compiled
-def _see(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints) -> None:
+def _see(course: RunInputs, blocks: Workspaces, held: LoopState, series: RunHistory, at: Ints) -> None:
     """Pose and velocity as sensed, into the motion that is tracked and the one that is driven."""
-    k, i, state, seen, f = at[STEP], at[MOMENTS], held.state, held.seen, course.basis.shape[1]
+    k, i, state, seen, f = at[I_STEP], at[I_MOMENTS], held.state, held.seen, course.basis.shape[1]
     pose, velocity, time, before = series.pose[k], series.velocity[k], course.time[k], course.time[k - 1]
     x = y = turn = 0.0
     for a in range(f):
@@ -183,7 +185,7 @@ def _see(course: Course, blocks: Blocks, held: Held, series: Series, at: Ints) -
     copy(velocity, seen[3:])
     recorded_moment.go_on(blocks.rows, blocks.known, i, time, Felt(held.wrenches, course.grip[0], held.believed))
     tracked_motion.take(blocks.rows, i, blocks.known, seen, f)
-    at[MOMENTS] = i + 1
+    at[I_MOMENTS] = i + 1
     schmidt_steps.drive(
         blocks.cart, blocks.cart_ints, blocks.driven, blocks.plan, before, time, seen, held.unfelt, math.nan
     )

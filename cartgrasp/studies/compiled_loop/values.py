@@ -12,7 +12,7 @@ from ...frames import Array
 from ...kernels.jit import Ints
 
 
-class Course(NamedTuple):
+class RunInputs(NamedTuple):
     """The same for runs of one scenario: times (n,); poses (n, 3), nu and nu' (n, f) of the reference; which place is
     held (n,); points (s, a, 3), grasp maps (s, 3, 6 a), and what takes wrenches to reduced ones, with the noise of that
     (s, f, 6 a + f); `along` (f, 3) of the free velocities; and the tracker's law (6,): axle and angle of the wheels,
@@ -31,7 +31,7 @@ class Course(NamedTuple):
     law: Array
 
 
-class Blocks(NamedTuple):
+class Workspaces(NamedTuple):
     """Workspaces of kernels, floats and ints of each: the true cart, the believed one, the planner; the driven motion
     with its plan; rows and constants of the moments that are tracked."""
 
@@ -47,7 +47,7 @@ class Blocks(NamedTuple):
     known: Array
 
 
-class Held(NamedTuple):
+class LoopState(NamedTuple):
     """What goes on from step to step: the true state (N,); the parameters (p,) as they are believed, and that as
     `felt_wrench.Felt` has it; wrenches planned (6 a,) and wanted (3,); what is `seen` (6,), and felt beside it,
     `unfelt` (1,).
@@ -71,7 +71,7 @@ class Held(NamedTuple):
     told: Array
 
 
-class Series(NamedTuple):
+class RunHistory(NamedTuple):
     """What happened: true states (n, N) before each step, wrenches given (n, 6 a); and what sensors said: pose and
     velocity (n, 3), wrenches (n, 6 a). The latter hold noise to begin with, NaN where no sample is due."""
 

@@ -10,7 +10,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.studies import hardware
-from cartgrasp.studies.hardware import HAND, HEAVY, LEAST_SPEED, NOISE, PRIOR, TURNING
+from cartgrasp.studies.hardware import FILTER_NOISE, HAND, HEAVY_EXPERIMENTS, MIN_LEARNING_SPEED, PRIOR, TURNING
 from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
@@ -90,15 +90,15 @@ def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("least_speed", [0.0, LEAST_SPEED])
+@pytest.mark.parametrize("least_speed", [0.0, MIN_LEARNING_SPEED])
 def test_swivels_that_are_stuck_in_a_turn_are_no_centre_of_mass(least_speed):
     """MuJoCo's casters keep the torque with which they came to rest, 3 N·m on the cart all through a steady turn. Taken
     for noise of a tenth of a second it was a CoM 14 cm off, five standard deviations; an EKF that these forces and
     velocities that jump drive was sure of one 20 cm off."""
     pytest.importorskip("mujoco")
-    heavy = replace(HEAVY[1], path=TURNING[: len(TURNING) // 3])
+    heavy = replace(HEAVY_EXPERIMENTS[1], path=TURNING[: len(TURNING) // 3])
     log = hardware.record(heavy, hardware.drive(heavy), seed=5)
-    estimator = CartFilter(heavy.guess, [HAND], noise=NOISE, prior=PRIOR, least_speed=least_speed)
+    estimator = CartFilter(heavy.guess, [HAND], noise=FILTER_NOISE, prior=PRIOR, least_speed=least_speed)
     for row in log.measurements():
         found = estimator.update(row).parameters
     for name, true in (("mass", 80.0), ("com_x", 0.36), ("com_y", 0.05)):

@@ -17,7 +17,7 @@ from cartgrasp.simulation.closed_loop import Loop, run
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.outside import Push, PushedPlant
 from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
-from cartgrasp.studies.disturbances import SENSORS as STUDIED
+from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.disturbed_learning import QUICKER
 from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver

@@ -7,7 +7,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import FloorSlope, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.studies.estimators import HANDS, SENSORS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import HANDS, SENSOR_SETS, Job, drive_cart, filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
@@ -83,7 +83,7 @@ def test_neither_is_sure_where_only_their_product_shows():
             CartModel(Inertia(m, (0.3, 0.0), 0.09 * m), RollingConstraints(), (RollingResistance(c),))
             for m, c in ((mass, 0.02), (share * mass, 0.02 * off))
         )
-        cart_filter = CartFilter(believed, list(HANDS), noise=filter_noise(SENSORS["usual"]))
+        cart_filter = CartFilter(believed, list(HANDS), noise=filter_noise(SENSOR_SETS["usual"]))
         for measurement in drive_cart(truth, Job("gentle", "usual", seed), 14.0).log.measurements():
             told = cart_filter.update(measurement).parameters["mass"]
         squares.append(((told.value - mass) / told.std) ** 2)

@@ -11,8 +11,8 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.simulation.outside import Push, nothing_outside
-from cartgrasp.studies.estimators import HANDS, PERIOD, SENSORS, Job, drive_cart, filter_noise
+from cartgrasp.simulation.outside import Push, no_pushes
+from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, SENSOR_SETS, Job, drive_cart, filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
@@ -167,13 +167,13 @@ def test_what_surprises_thrice_speaks_against_the_model():
         assert watch.health == health
 
 
-def driven(outside=nothing_outside, load=0.0, seed=0, effects=(), duration=10.0):
+def driven(outside=no_pushes, load=0.0, seed=0, effects=(), duration=10.0):
     """The estimates from 4 s on: of 24 kg, on curves, pushed or loaded at 4 s."""
     loads = (PayloadChange(4.0, load, 0.2, 0.1),) if load else ()
     truth = CartModel(Inertia(24.0, (0.28, 0.06), 2.2), RollingConstraints(), (ViscousDrag(3.0, 1.2), *effects, *loads))
     guess = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), RollingConstraints(), (ViscousDrag(2.0, 1.0), *effects))
     log = drive_cart(truth, Job("curves", "usual", seed), duration, outside).log
-    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSORS["usual"]))).estimates
+    told = replay(log, CartFilter(guess, list(HANDS), noise=filter_noise(SENSOR_SETS["usual"]))).estimates
     return [one for one in told if one.time > 4.0]
 
 
@@ -189,7 +189,7 @@ def test_a_push_teaches_no_mass(force, angle):
     mass, health = mass_and_health(driven(lambda time, _: [push] if 4.0 <= time < 4.4 else []))
     assert abs(mass.value - 24.0) < 3 * mass.std < 2.5
     assert health[-1] == "ok"
-    assert 0.1 < PERIOD * health.count("load_changed") < 2.0
+    assert 0.1 < CONTROL_PERIOD * health.count("load_changed") < 2.0
 
 
 @pytest.mark.long

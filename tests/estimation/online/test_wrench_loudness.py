@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 from benchmarks.sealed.sensors import noise
 from cartgrasp.logs import ArmLog
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, PERIOD, Job, drive_cart, guess
+from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, Job, drive_cart, guess
 from estimation import CartFilter
 from estimation.online.regressor.regression_belief import Innovation
 from estimation.online.regressor.wrench_loudness import LEVELS, WrenchLoudness
@@ -111,7 +111,7 @@ def test_a_sound_cart_whose_forces_have_a_memory_is_sound(remembered):
     found = [online.update(one) for one in replace(driven.log, arms=arms).measurements()]
     (said,) = found[-1].suspicions
     assert (said.kind, said.where) == ("noise", "wrench")
-    assert 3.0 < said.factor**2 < 1.5 / np.tanh(PERIOD / (2.0 * HELD_BY))
+    assert 3.0 < said.factor**2 < 1.5 / np.tanh(CONTROL_PERIOD / (2.0 * HELD_BY))
     later = [one for one in found if one.time > 5.0]
     assert np.mean([one.health == "ok" for one in later]) > 0.9
     mass = found[-1].parameters["mass"]
