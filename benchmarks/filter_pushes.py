@@ -20,7 +20,7 @@ from cartgrasp.effects import PayloadChange
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
-from cartgrasp.simulation.outside import Push
+from cartgrasp.simulation.pushed_plant import Push
 from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, PATHS, SENSOR_SETS, Job, drive_cart, filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter

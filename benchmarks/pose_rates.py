@@ -18,7 +18,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
-from cartgrasp.simulation.outside import Push, PushedPlant
+from cartgrasp.simulation.pushed_plant import Push, PushedPlant
 from estimation import CartFilter, DisturbedFilter, FilterNoise
 from planning import Caution, Controller, PathReference, chain, pause
 from planning.references import speed_change, turn

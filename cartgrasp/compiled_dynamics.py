@@ -89,7 +89,9 @@ class CompiledDynamics:
         f, k, n, p = self.n_free, self.n_memory, self.n_state, self.n_parameters
         return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p), (f, n), (k,), (k, n), (k, p)))
 
-    def taught(self, point: Point, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
+    def inverse_by_parameters(
+        self, point: Point, acceleration: Array, foreign: Array | None = None
+    ) -> tuple[Array, ...]:
         """The reduced wrench (..., f), and its partials by acceleration (..., f, f) and parameters (..., f, p)."""
         f, p = self.n_free, self.n_parameters
         return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p)))

@@ -143,7 +143,7 @@ class CartModel(CartStructure):
     ) -> tuple[Array, Array]:
         """The reduced wrench (..., f) and its partials (..., f, p) by the parameters, for less time than `inverse`."""
         point = self._point(state, parameters, time)
-        wrench, _, slopes = self.dynamics.taught(point, np.asarray(acceleration), self._foreign(point))
+        wrench, _, slopes = self.dynamics.inverse_by_parameters(point, np.asarray(acceleration), self._foreign(point))
         return wrench, slopes
 
     def required_wrench(

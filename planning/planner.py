@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import MAX_FLOAT, brief, check_kind, listed, number, positive
-from cartgrasp.collector import freeze_live_objects
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
+from cartgrasp.garbage_collection import freeze_live_objects
 from cartgrasp.shallow_copy import shallow_copy
 
 from .allocation.contradiction import contradiction

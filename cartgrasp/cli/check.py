@@ -12,7 +12,7 @@ from ..cart_file import load_cart
 from ..errors import UsageError, printable
 from ..logs import RunLog, read_log
 from .output import check_writable, print_json, print_table, say
-from .sensors import check_accepted, log_summary, looked_at, refuse_suspicions
+from .sensors import check_accepted, checked_log, log_summary, refuse_suspicions
 
 COLUMN_UNITS = {"pose": ("m", "rad"), "velocity": ("m/s", "rad/s")}
 WRENCH_UNITS = "N", "N·m"
@@ -35,7 +35,7 @@ def run(
             raise UsageError(f"--out {out}: name a picture, {', '.join(PICTURE_SUFFIXES)}")
         check_writable(out, path, cart_path, topics)
     log = read_log(path, topics)
-    look = looked_at(log, cart)
+    look = checked_log(log, cart)
     if out is not None:
         _draw(log, look, out)
     if as_json:

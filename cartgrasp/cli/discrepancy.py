@@ -8,7 +8,7 @@ from pathlib import Path
 from estimation.discrepancy import Diagnosis, diagnose
 from estimation.experiments.manoeuvres import Limits
 
-from .estimate import tell_given
+from .estimate import report_assumed_values
 from .inputs_file import Sources
 from .log_inputs import cart_and_logs
 from .output import check_writable, print_json, print_table, say, stages
@@ -42,7 +42,7 @@ def run(
     cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting)
     check_logs(logs, cart, sources.accepted, is_told=not as_json)
     inputs = sources.summed(out) if out is not None else None
-    tell_given(logs, cart)
+    report_assumed_values(logs, cart)
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell, limits=limits)
     if out is not None and inputs is not None:

@@ -23,9 +23,9 @@ from ..logs.emps import rail_cart
 from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
+from .identifiability_text import identifiable_word, print_health
 from .output import check_writable, print_json, print_table, progress, say
 from .sensors import check_accepted, check_logs
-from .taught import identifiable_word, print_health
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -52,7 +52,7 @@ def run(
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")
     looks = check_logs([log], cart, accepted, is_told=not as_json)
-    tell_given([log], cart)
+    report_assumed_values([log], cart)
     with progress(f"estimating from {path.name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
@@ -62,11 +62,11 @@ def run(
     else:
         _print(result, prior_of([log], cart))
     if method == "filter":
-        _tell_disagreements(result, log, cart)
+        _report_disagreements(result, log, cart)
     return 0
 
 
-def _tell_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
+def _report_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
     """With what `identify` says of the log. One that it can't fit tells nothing."""
     try:
         told = against_identify(result.last.parameters, str(result.last.health), log, cart)
@@ -93,7 +93,7 @@ def log_of(path: Path, topics: Path | None, coasting: bool) -> RunLog:
     return log
 
 
-def tell_given(logs: Sequence[RunLog], cart: CartModel) -> None:
+def report_assumed_values(logs: Sequence[RunLog], cart: CartModel) -> None:
     """What can't be learned where nobody pushes."""
     if logs and (given := as_given(logs, cart)):
         mass = f"mass ({cart.inertia.mass:g} kg)"

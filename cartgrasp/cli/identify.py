@@ -13,7 +13,7 @@ from estimation.whole_log.identification import identify as fit
 from ..errors import DataError
 from ..logs import RunLog
 from ..model import CartModel
-from .estimate import print_parameters, tell_given
+from .estimate import print_parameters, report_assumed_values
 from .log_inputs import cart_and_logs
 from .output import print_json, progress, say
 from .sensors import check_accepted, check_logs
@@ -31,7 +31,7 @@ def run(
     check_accepted(accepted)
     cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
     looks = check_logs(logs, cart, accepted, is_told=not as_json)
-    tell_given(logs, cart)
+    report_assumed_values(logs, cart)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)
         found = _held_against_filter(found, logs, cart)

@@ -3,8 +3,8 @@
 from __future__ import annotations
 
 from ..studies.run_figures import RunFigures
+from .identifiability_text import identifiable_word, print_health
 from .output import print_table
-from .taught import identifiable_word, print_health
 
 
 def print_run(figures: RunFigures, title: str) -> None:

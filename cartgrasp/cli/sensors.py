@@ -23,7 +23,7 @@ def check_accepted(kinds: Iterable[str]) -> None:
         raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(KINDS)}")
 
 
-def looked_at(log: RunLog, cart: CartModel | None) -> Look:
+def checked_log(log: RunLog, cart: CartModel | None) -> Look:
     """The look at a log, without wrenches where nobody pushes. Raises DataError where the log is too short, too long,
     or too odd to be looked at."""
     check_sizes(log)
@@ -69,7 +69,7 @@ def _report_unknown_arms(logs: Sequence[RunLog], cart: CartModel) -> None:
 
 def _look(log: RunLog, cart: CartModel) -> Look | DataError:
     try:
-        return looked_at(log, cart)
+        return checked_log(log, cart)
     except DataError as error:
         return error
 

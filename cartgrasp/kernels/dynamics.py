@@ -72,7 +72,7 @@ def reduced(m: Workspace, point: Point, acceleration: Array, wrench: Array, mass
 
 
 @compiled
-def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Array, Array]) -> None:
+def inverse_by_parameters(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Array, Array]) -> None:
     """Fills `out` as `reduced` does, and with the wrench's partials by the parameters (f, p), if there is room for
     them."""
     wrench, mass, by_parameters = out
@@ -97,7 +97,7 @@ def taught(m: Workspace, point: Point, acceleration: Array, out: tuple[Array, Ar
 @compiled
 def inverse(m: Workspace, point: Point, acceleration: Array, out: Inverse) -> None:
     """Inverse dynamics at nu' = `acceleration` (f,), into the arrays of `out`."""
-    taught(m, point, acceleration, (out.wrench, out.by_acceleration, out.by_parameters))
+    inverse_by_parameters(m, point, acceleration, (out.wrench, out.by_acceleration, out.by_parameters))
     bias = rigid_body.by_velocity(lifted(m.basis, point.state[3:]), m.phi)
     basis, wrench, n_free, n_memory = m.basis, m.wrench, m.basis.shape[1], len(m.memory_rate)
     out.by_state[:] = 0.0

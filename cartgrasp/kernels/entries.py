@@ -14,6 +14,7 @@ from .dynamics import (
     forward,
     hold,
     inverse,
+    inverse_by_parameters,
     lifted,
     rate_alone,
     settle_all,
@@ -21,7 +22,6 @@ from .dynamics import (
     stictions,
     sum_effects,
     sum_memory_rates,
-    taught,
 )
 from .floor import react
 from .jit import Ints, compiled, entry
@@ -74,7 +74,7 @@ def inverses(floats: Array, ints: Ints, given: Array, found: Array) -> None:
         by_acceleration, at = out[at : at + f * f].reshape((f, f)), at + f * f
         by_parameters, at = out[at : at + f * p].reshape((f, p)), at + f * p
         if at == len(out):
-            taught(m, point, acceleration, (out[:f], by_acceleration, by_parameters))
+            inverse_by_parameters(m, point, acceleration, (out[:f], by_acceleration, by_parameters))
             continue
         by_state, at = out[at : at + f * n].reshape((f, n)), at + f * n
         rate, at = out[at : at + k], at + k

@@ -1,5 +1,5 @@
 """A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, effects as MuJoCo's own mechanisms; laws, which
-name no mechanism, push from outside (`outer_forces.py`).
+name no mechanism, push from outside (`effect_forces.py`).
 
 The chassis frame is {b}. Each wheel is a sphere that touches the floor in one point, so that it doesn't
 scrub when it turns on the spot; a caster's fork swivels at its pivot and the wheel trails it. Wheels and

@@ -24,8 +24,8 @@ from ..frames import PLANAR, Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
+from .effect_forces import EffectForces
 from .mujoco_cart import WHEEL_RADIUS, MujocoCart, check_stands
-from .outer_forces import EffectForces
 from .plant import brief_plant
 
 TIP_OVER_TILT = np.radians(20.0)

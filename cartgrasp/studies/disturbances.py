@@ -27,7 +27,7 @@ from ..inertia import Inertia
 from ..model import CartModel
 from ..motion import Motion
 from ..simulation.closed_loop import Loop, run
-from ..simulation.outside import Push, PushedPlant, PushSource
+from ..simulation.pushed_plant import Push, PushedPlant, PushSource
 from ..simulation.sensors import Sensors
 from ..wheels import GRAVITY
 from .disturbance_peers import ExtendedStateObserver, PaperTracker

@@ -28,8 +28,8 @@ from ..inertia import Inertia
 from ..logs import RunLog
 from ..model import CartModel
 from ..motion import Measurement, ParameterEstimate
-from ..simulation.outside import PushedPlant, PushSource, no_pushes
 from ..simulation.plant import ModelPlant
+from ..simulation.pushed_plant import PushedPlant, PushSource, no_pushes
 from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
 

@@ -8,8 +8,8 @@ from contextlib import suppress
 from typing import ClassVar, Generic, TypeVar
 
 from cartgrasp.checks import brief
-from cartgrasp.collector import freeze_live_objects
 from cartgrasp.errors import CartgraspError, UsageError
+from cartgrasp.garbage_collection import freeze_live_objects
 from cartgrasp.motion import Estimate, Measurement, Motion
 from cartgrasp.tracked_point import TrackedPoint
 

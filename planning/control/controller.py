@@ -14,9 +14,9 @@ from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import brief, check_kind, check_known, listed, number, positive, shown
-from cartgrasp.collector import freeze_live_objects
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
+from cartgrasp.garbage_collection import freeze_live_objects
 from cartgrasp.motion import Measurement
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Plan, Planner, ReferencePath, Tracker
 

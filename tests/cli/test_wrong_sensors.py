@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.cart_file import load_cart
-from cartgrasp.cli.sensors import check_logs, looked_at
+from cartgrasp.cli.sensors import check_logs, checked_log
 from cartgrasp.errors import DataError
 from cartgrasp.logs import ArmLog, read_log, write_log
 
@@ -92,7 +92,7 @@ def test_glitches_are_no_wrong_sensors(folder):
     wrench = arm.wrench.copy()
     wrench[300::900] *= -1e4
     spoiled = replace(log, pose=pose, arms=log.arms | {"left": ArmLog(arm.contact, wrench)})
-    assert not [one for one in looked_at(spoiled, load_cart(folder / "cart.yaml")).suspicions if one.is_refused]
+    assert not [one for one in checked_log(spoiled, load_cart(folder / "cart.yaml")).suspicions if one.is_refused]
 
 
 @pytest.mark.parametrize(
@@ -107,5 +107,5 @@ def test_what_cannot_be_looked_at_is_not_suspected(folder, change, words):
     """`check` says why; what learns goes on, and says itself what it lacks."""
     log, cart = change(read_log(folder / "sound.csv")), load_cart(folder / "cart.yaml")
     with pytest.raises(DataError, match=words):
-        looked_at(log, cart)
+        checked_log(log, cart)
     assert check_logs([log], cart, ()) == [None]

@@ -10,8 +10,8 @@ from hypothesis import strategies as st
 from cartgrasp.logs.bags.likely_path import likely_path
 from cartgrasp.logs.bags.transform_chain import composed
 from cartgrasp.logs.bags.transform_tree import BadTreeError, NoPathError, TransformTree, frames_on, usual
-from cartgrasp.logs.mapped.clocked import TimedSamples
-from cartgrasp.logs.mapped.steps import ProcessingSteps
+from cartgrasp.logs.mapped.processing_steps import ProcessingSteps
+from cartgrasp.logs.mapped.timed_samples import TimedSamples
 
 GAP = 0.25
 SEEDS = st.integers(0, 2**32 - 1)

@@ -10,9 +10,9 @@ from numpy.typing import NDArray
 
 from ...errors import LogError
 from ...yaml_file import did_you_mean
-from ..mapped.clocked import MapPlace, TimedSamples
 from ..mapped.planar_pose import planar, tilt
-from ..mapped.steps import ProcessingSteps
+from ..mapped.processing_steps import ProcessingSteps
+from ..mapped.timed_samples import MapPlace, TimedSamples
 from .bag import Bag
 from .faults import far_stamps, other_frames, other_values, without
 from .messages import ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE

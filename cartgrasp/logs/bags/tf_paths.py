@@ -5,7 +5,7 @@ from __future__ import annotations
 from collections.abc import Mapping
 from dataclasses import dataclass, field
 
-from ..mapped.clocked import MapPlace
+from ..mapped.timed_samples import MapPlace
 from .bag import Bag
 from .messages import TF_TYPES
 from .topic_map import TopicMapFile

@@ -9,9 +9,9 @@ from numpy.typing import NDArray
 from scipy.spatial.transform import RigidTransform, Rotation, Slerp
 
 from ...frames import Array
-from ..mapped.clocked import TimedSamples
+from ..mapped.processing_steps import ProcessingSteps
 from ..mapped.resampling import Resampled, interpolated
-from ..mapped.steps import ProcessingSteps
+from ..mapped.timed_samples import TimedSamples
 from .transform_tree import Link, arrow, frames_on
 
 

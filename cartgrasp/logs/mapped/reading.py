@@ -10,12 +10,12 @@ import numpy as np
 from ...errors import LogError
 from ...frames import Array
 from ..run_log import ArmLog, RunLog
-from .clocked import MapPlace, TimedSamples
 from .planar_pose import of_body, spline_velocity, world_velocity
+from .processing_steps import ProcessingStep, ProcessingSteps
 from .resampling import averaged, held, interpolated
 from .run_map import ArmEntry, MapFile, RunMap
 from .sensor_wrench import at_contact, on_cart
-from .steps import ProcessingStep, ProcessingSteps
+from .timed_samples import MapPlace, TimedSamples
 
 MIN_TARE_SAMPLES = 5
 MAX_TARE_MOTION, MAX_TARE_ROTATION = 0.005, 0.01

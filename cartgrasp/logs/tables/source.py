@@ -12,9 +12,9 @@ from numpy.typing import NDArray
 
 from ...errors import LogError, Place, printable
 from ...frames import Array, unwrapped
-from ..mapped.clocked import MapPlace as Where
-from ..mapped.clocked import TimedSamples
-from ..mapped.steps import ProcessingSteps
+from ..mapped.processing_steps import ProcessingSteps
+from ..mapped.timed_samples import MapPlace as Where
+from ..mapped.timed_samples import TimedSamples
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
 from .table_file import Table, read_table
 from .table_map import (

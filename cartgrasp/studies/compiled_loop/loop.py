@@ -32,7 +32,7 @@ from ...simulation.record import RunRecord
 from ...simulation.record import Series as Estimated
 from ..scenario import LEARNING, MODEL_PLANT, Scenario, with_truth
 from . import tick
-from .course import inputs_of, noise_of
+from .run_inputs import inputs_of, noise_of
 from .values import LoopState, Workspaces
 
 MAX_CONTROL_PERIOD = 0.05

@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 from cartgrasp.frames import Array
 from cartgrasp.kernels import rigid_body
-from cartgrasp.kernels.dynamics import Point, forward, lifted, rate_alone, taught
+from cartgrasp.kernels.dynamics import Point, forward, inverse_by_parameters, lifted, rate_alone
 from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
@@ -230,7 +230,7 @@ def squares(
             load[i, j] = c.load[i, j] * theta[0] ** 2
     rolls = agreed = rigid = 0.0
     for which in (ROLLS, AGREED, WHOLE):
-        taught(cart, point, accelerations[which], (wrench, mass, by))
+        inverse_by_parameters(cart, point, accelerations[which], (wrench, mass, by))
         put(told, found)
         if len(unknown) > 0:
             add_congruence(by, unknown, found, room)

@@ -8,7 +8,7 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Point, lifted, situation, stictions, taught
+from cartgrasp.kernels.dynamics import Point, inverse_by_parameters, lifted, situation, stictions
 from cartgrasp.kernels.workspace import copy, unpack
 
 from .correction import put
@@ -301,7 +301,9 @@ def _find(floats: Array, ints: Indices, asked: Asked, found: Found, taught_at: t
     for i in range(len(asked.time)):
         point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
         by_parameters = found.by_parameters[i] if taught_at[0] <= i < taught_at[1] else found.by_parameters[i, :0]
-        taught(m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters))
+        inverse_by_parameters(
+            m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters)
+        )
 
 
 @compiled

@@ -15,7 +15,7 @@ from cartgrasp.frames import body_to_world
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
-from cartgrasp.simulation.outside import Push, PushedPlant
+from cartgrasp.simulation.pushed_plant import Push, PushedPlant
 from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
 from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior

@@ -11,7 +11,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.simulation.outside import Push, no_pushes
+from cartgrasp.simulation.pushed_plant import Push, no_pushes
 from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, SENSOR_SETS, Job, drive_cart, filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter

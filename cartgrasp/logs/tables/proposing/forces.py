@@ -16,7 +16,7 @@ from ..units import UNITS
 from .columns import Column, FileColumns
 from .evidence import MassRegression, Motion, mass_regression
 from .motion_units import Entry, one_of_several, time_unit
-from .said import ProposedValue
+from .proposed_value import ProposedValue
 
 PLAUSIBLE_MASSES = (0.3, 3000.0)
 """kg, of what is pushed."""

@@ -10,7 +10,7 @@ from ....frames import Array, unwrapped
 from ..units import UNITS
 from .columns import Column, FileColumns, first_of
 from .evidence import Motion, heading_of, motion_of, scale, velocities
-from .said import ProposedValue
+from .proposed_value import ProposedValue
 
 LOG_RATE_RANGE = (2.0, 5000.0)
 """Hz, of logs."""

@@ -16,7 +16,7 @@ from .columns import FileColumns
 from .forces import Arm, arms_of, component_entry, judged, time_of
 from .layout import Layout
 from .motion_units import Entry, MotionUnits, one_of_several, time_unit
-from .said import ProposedValue, word
+from .proposed_value import ProposedValue, word
 
 MAP_HEADER = f"""\
 # How {{name}} is read ({PAGE}). A value that ends with ? is a guess: take the ? away if it is right, else put what is

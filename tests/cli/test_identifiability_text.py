@@ -6,8 +6,8 @@ import pytest
 
 from cartgrasp.cli import demo
 from cartgrasp.cli.estimate import print_parameters
+from cartgrasp.cli.identifiability_text import identifiable_word
 from cartgrasp.cli.run_tables import print_run
-from cartgrasp.cli.taught import identifiable_word
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.run_figures import RunFigures
 
