@@ -67,37 +67,39 @@ class CompiledDynamics:
         self.floor(point, np.ones(1))
         self.memories((point[0][None], np.zeros(1), point[2][None]))
 
-    def rates(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> tuple[Array, ...]:
+    def rates(self, point: StatePoint, wrench_b: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """Rate (..., n) and its partials by state, wrench and parameters."""
         n, p = self.n_state, self.n_parameters
         found = self._ask(
-            entries.rates, self._given(point, _pushed(wrench_b, ZERO_STEPS), foreign), n * (1 + n + 3 + p)
+            entries.rates, self._given(point, _wrench_and_steps(wrench_b, ZERO_STEPS), foreign), n * (1 + n + 3 + p)
         )
         return split(found, ((n,), (n, n), (n, 3), (n, p)))
 
-    def rate(self, point: Point, wrench_b: Array, foreign: Array | None = None) -> Array:
-        return self._ask(entries.rates, self._given(point, _pushed(wrench_b, ZERO_STEPS), foreign), self.n_state)
+    def rate(self, point: StatePoint, wrench_b: Array, foreign: Array | None = None) -> Array:
+        return self._ask(
+            entries.rates, self._given(point, _wrench_and_steps(wrench_b, ZERO_STEPS), foreign), self.n_state
+        )
 
-    def advanced(self, point: Point, wrench_b: Array, step: Any, n_steps: Any) -> Array:
+    def advanced(self, point: StatePoint, wrench_b: Array, step: Any, n_steps: Any) -> Array:
         """The state (..., n) after classical fourth-order steps (...) under a wrench that is held."""
-        given = self._given(point, _pushed(wrench_b, np.stack([step, n_steps], axis=-1)))
+        given = self._given(point, _wrench_and_steps(wrench_b, np.stack([step, n_steps], axis=-1)))
         self._ask(entries.rates, given, 0)
         return given[..., : self.n_state]
 
-    def inverse(self, point: Point, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
+    def inverse(self, point: StatePoint, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """What `kernels.dynamics.Inverse` holds, with leading axes."""
         f, k, n, p = self.n_free, self.n_memory, self.n_state, self.n_parameters
         return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p), (f, n), (k,), (k, n), (k, p)))
 
     def inverse_by_parameters(
-        self, point: Point, acceleration: Array, foreign: Array | None = None
+        self, point: StatePoint, acceleration: Array, foreign: Array | None = None
     ) -> tuple[Array, ...]:
         """The reduced wrench (..., f), and its partials by acceleration (..., f, f) and parameters (..., f, p)."""
         f, p = self.n_free, self.n_parameters
         return self._inverse(point, acceleration, foreign, ((f,), (f, f), (f, p)))
 
     def _inverse(
-        self, point: Point, acceleration: Array, foreign: Array | None, shapes: Sequence[tuple[int, ...]]
+        self, point: StatePoint, acceleration: Array, foreign: Array | None, shapes: Sequence[tuple[int, ...]]
     ) -> tuple[Array, ...]:
         if acceleration.shape[-1] != self.n_free:
             raise UsageError(
@@ -106,17 +108,17 @@ class CompiledDynamics:
         size = sum(math.prod(shape) for shape in shapes)
         return split(self._ask(entries.inverses, self._given(point, (acceleration,), foreign), size), shapes)
 
-    def memories(self, point: Point) -> Array:
+    def memories(self, point: StatePoint) -> Array:
         """The memory (n, k) along instants (n,), from the first one's on."""
         return self._ask(entries.memories, self._given(point), self.n_memory)
 
-    def sums(self, point: Point, foreign: Array | None = None) -> Array:
+    def sums(self, point: StatePoint, foreign: Array | None = None) -> Array:
         """The sums (..., size) of what effects add; `parts` says what stands where."""
         found, _ = self._effects(point, foreign)
         return found[..., : self.n_sums]
 
     def floor(
-        self, point: Point, com_height: Array, foreign: Array | None = None, with_partials: bool = False
+        self, point: StatePoint, com_height: Array, foreign: Array | None = None, with_partials: bool = False
     ) -> Array:
         """Rows (..., 1, n_wheels + 1, 7) as `kernels.floor.react` has them; with their partials by the parameters
         behind them, (..., 1 + p, n_wheels + 1, 7)."""
@@ -139,24 +141,24 @@ class CompiledDynamics:
         values = sums[..., first : first + N_WRENCH * width : width]
         return values[..., :SWINGING_ROW], values[..., SWINGING_ROW]
 
-    def settled(self, point: Point) -> Array:
+    def settled(self, point: StatePoint) -> Array:
         """The memory (..., k) when it has come to rest."""
         found, _ = self._effects(point)
         return found[..., self.n_sums : self.n_sums + self.n_memory]
 
-    def stiction(self, point: Point) -> Array:
+    def stiction(self, point: StatePoint) -> Array:
         """Wrenches (..., 3, k)."""
         found, n = self._effects(point)
         first = self.n_sums + self.n_memory
         columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)
         return np.swapaxes(columns, -1, -2)
 
-    def _effects(self, point: Point, foreign: Array | None = None) -> tuple[Array, int]:
+    def _effects(self, point: StatePoint, foreign: Array | None = None) -> tuple[Array, int]:
         given = self._given(point, foreign=foreign)
         found = np.empty((*given.shape[:-1], self.n_sums + self.n_memory + 3 * self.most_stictions))
         return found, entries.effects(self.floats, self.ints, _rows(given), _rows(found))
 
-    def _given(self, point: Point, rest: tuple[Array, ...] = (), foreign: Array | None = None) -> Array:
+    def _given(self, point: StatePoint, rest: tuple[Array, ...] = (), foreign: Array | None = None) -> Array:
         """Rows as kernels expect them. They look at no bounds, so this does."""
         state, time, parameters = point
         if state.shape[-1] != self.n_state or parameters.shape[-1] != self.n_parameters:
@@ -183,11 +185,11 @@ class CompiledDynamics:
         return found
 
 
-Point = tuple[Array, Any, Array]
+StatePoint = tuple[Array, Any, Array]
 """State (..., n), time (...), parameters (..., p)."""
 
 
-def _pushed(wrench_b: Array, steps: Array) -> tuple[Array, Array]:
+def _wrench_and_steps(wrench_b: Array, steps: Array) -> tuple[Array, Array]:
     """A wrench (..., 3) in {b}, with steps."""
     if wrench_b.shape[-1] != 3:
         raise UsageError(f"model: wrench has {wrench_b.shape[-1]} numbers, but needs 3")

@@ -17,7 +17,7 @@ from .frames import Array
 from .rigid_body import bias_b, mass_matrix_b, regressor_b
 
 if TYPE_CHECKING:
-    from .compiled_dynamics import Point
+    from .compiled_dynamics import StatePoint
     from .model import CartModel
 
 Rates = tuple[Array, ...]
@@ -34,7 +34,7 @@ class SideForce:
     by_parameters: Array
 
     @classmethod
-    def of(cls, cart: CartModel, point: Point, wrench_b: Array, rates: Rates) -> SideForce:
+    def of(cls, cart: CartModel, point: StatePoint, wrench_b: Array, rates: Rates) -> SideForce:
         state, nu = point[0], cart.velocity_slice
         phi, phi_by_parameters, effects, _, swung = cart.effect_parts(point)
         across, basis = np.append(cart.rolling.across_b, 0.0), cart.basis_b
@@ -53,7 +53,7 @@ class SideForce:
         return cls(value, by_state, by_wrench - across, by_parameters)
 
 
-def creeping(cart: CartModel, point: Point, wrench_b: Array, rates: Rates) -> Rates:
+def creeping(cart: CartModel, point: StatePoint, wrench_b: Array, rates: Rates) -> Rates:
     """The rates with the wheels' creep in those of the pose."""
     state, first = point[0], cart.velocity_slice.start
     force = SideForce.of(cart, point, wrench_b, rates)

@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
-from .compiled_dynamics import Point
+from .compiled_dynamics import StatePoint
 from .effects.effect import Contribution, ForceEffect, InertiaEffect, Situation
 from .frames import Array
 from .kernels.situation import Parts
@@ -21,7 +21,7 @@ ForeignInertia = tuple[InertiaEffect, slice]
 
 
 def foreign_sums(
-    cart: CartModel, point: Point, forces: tuple[ForeignForce, ...], changes: tuple[ForeignInertia, ...]
+    cart: CartModel, point: StatePoint, forces: tuple[ForeignForce, ...], changes: tuple[ForeignInertia, ...]
 ) -> Array:
     """What they add at a point, a block (..., size) of `kernels.workspace.Sums`."""
     dynamics, (state, time, parameters) = cart.dynamics, point

@@ -31,7 +31,7 @@ if TYPE_CHECKING:
     import os
     from pathlib import Path
 
-    from .compiled_dynamics import CompiledDynamics, Point
+    from .compiled_dynamics import CompiledDynamics, StatePoint
     from .kernels.situation import Parts
 
 
@@ -161,7 +161,7 @@ class CartModel(CartStructure):
         point = self._point(state, parameters, time)
         return self.dynamics.values(self.dynamics.sums(point, self._foreign(point)))
 
-    def effect_parts(self, point: Point) -> tuple[Array, Array, Parts, Parts, Parts]:
+    def effect_parts(self, point: StatePoint) -> tuple[Array, Array, Parts, Parts, Parts]:
         """At (state, time, parameters): phi with what effects add to it, its partials by the parameters, the effects'
         wrench, their memory's rate and the mass that swings, with partials."""
         return self.dynamics.parts(self.dynamics.sums(point, self._foreign(point)))
@@ -296,10 +296,10 @@ class CartModel(CartStructure):
     def _foreign_changes(self) -> tuple[tuple[InertiaEffect, slice], ...]:
         return tuple(found for found in self.inertia_effects if not isinstance(found[0], CompiledInertia))
 
-    def _point(self, state: Array, parameters: Array | None, time: Any) -> Point:
+    def _point(self, state: Array, parameters: Array | None, time: Any) -> StatePoint:
         return state, time, self.parameters if parameters is None else parameters
 
-    def _foreign(self, point: Point) -> Array | None:
+    def _foreign(self, point: StatePoint) -> Array | None:
         """What effects without a kernel add, as the kernels take it."""
         if self.is_compiled:
             return None

@@ -18,7 +18,7 @@ from .run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COL
 
 ARM_COLUMNS = CONTACT_COLUMNS + WRENCH_COLUMNS
 MISSING_CELLS = ("", "nan", "NaN", "NAN")
-MOTION_COLUMNS = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
+TIME_AND_MOTION_COLUMNS = ("t", *POSE_COLUMNS, *VELOCITY_COLUMNS)
 PAGE = "docs/tables.md"
 """Which explains how a table of other columns is read."""
 MAX_COLUMNS_SHOWN = 12
@@ -100,7 +100,7 @@ def _instead(header: Sequence[str]) -> str:
     for sign in ";\t":
         if line.count(sign) > line.count(","):
             return f": cells are parted by {sign!r}; part them by commas, and write numbers with a point"
-    others = [column for column in header if column and "." not in column and column not in MOTION_COLUMNS]
+    others = [column for column in header if column and "." not in column and column not in TIME_AND_MOTION_COLUMNS]
     return f"; not known are {_short(', '.join(others))}" if others else ""
 
 

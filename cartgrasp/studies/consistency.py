@@ -31,8 +31,13 @@ PRIOR_STD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_
 PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=PRIOR_STD)
 MATCHED_MODEL, WRONG_MODEL = "matched", "rolling resistance left out"
 MODELS = MATCHED_MODEL, WRONG_MODEL
-MOTION, PARAMETERS, POSE, VELOCITY = "NEES of motion", "NEES of parameters", "NIS of pose", "NIS of velocity"
-SQUARES = MOTION, PARAMETERS, POSE, VELOCITY
+MOTION_NEES, PARAMETER_NEES, POSE_NIS, VELOCITY_NIS = (
+    "NEES of motion",
+    "NEES of parameters",
+    "NIS of pose",
+    "NIS of velocity",
+)
+SQUARES = MOTION_NEES, PARAMETER_NEES, POSE_NIS, VELOCITY_NIS
 
 
 @dataclass(frozen=True, eq=False)
@@ -79,24 +84,29 @@ def follow(drive: Drive, cart: CartModel, model: str, noise: FilterNoise) -> Tra
     first, prior = believed(model)
     estimator = CartFilter(first, list(HANDS), noise=noise, prior=prior)
     motions, motion_covariances, parameters, covariances = [], [], [], []
-    nis: dict[str, list[float]] = {POSE: [], VELOCITY: []}
+    nis: dict[str, list[float]] = {POSE_NIS: [], VELOCITY_NIS: []}
     for measurement in drive.log.measurements():
         estimate, belief = estimator.update(measurement), estimator.belief
         motions.append(belief.mean)
         motion_covariances.append(belief.covariance)
         parameters.append(estimate.model_parameters)
         covariances.append(estimate.covariance)
-        for name, sensor in ((POSE, "pose"), (VELOCITY, "velocity")):
+        for name, sensor in ((POSE_NIS, "pose"), (VELOCITY_NIS, "velocity")):
             nis[name].append(estimator.nis.get(sensor, (np.nan, 0))[0])
     off = np.array(motions) - drive.motion
     off[:, 2] = wrap_angle(off[:, 2])
     wrong = np.array(parameters) - cart.parameters[: len(parameters[0])]
     squares = {
-        MOTION: normalised_square(off, np.array(motion_covariances)),
-        PARAMETERS: normalised_square(wrong, np.array(covariances)),
+        MOTION_NEES: normalised_square(off, np.array(motion_covariances)),
+        PARAMETER_NEES: normalised_square(wrong, np.array(covariances)),
         **{name: np.array(values) for name, values in nis.items()},
     }
-    sizes = {MOTION: off.shape[1], PARAMETERS: wrong.shape[1], POSE: 3, VELOCITY: first.constraints.n_free}
+    sizes = {
+        MOTION_NEES: off.shape[1],
+        PARAMETER_NEES: wrong.shape[1],
+        POSE_NIS: 3,
+        VELOCITY_NIS: first.constraints.n_free,
+    }
     return Trace(squares, sizes, wrong / np.sqrt(np.diagonal(np.array(covariances), axis1=1, axis2=2)))
 
 

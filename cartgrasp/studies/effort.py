@@ -47,7 +47,7 @@ WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED = "wrong guess kept", "usual load kep
 KNOWLEDGE = (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED)
 """An empty cart of 15 kg is believed in; a usual load of 40 kg; the same, 25 kg to either side, and learned."""
 MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE = "middle", "best", "chosen"
-PLACES = (MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE)
+GRIP_CHOICES = (MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE)
 """Held in the middle of the handle; where the whole path costs least by the truth; chosen in the loop."""
 WHEELS = (
     *(Wheel(FIXED, 0.0, y) for y in (0.32, -0.32)),
@@ -64,8 +64,8 @@ MIN_HAND_DISTANCE, COM_X, GYRATION_RADIUS = 0.15, 0.4, 0.33  # m
 WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05)
 FIRST_GUESS_STD = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
 START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.2))
-BENDS = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
-PATH = chain(START, STOP, START, BENDS, STOP)
+BEND_MANOEUVRE = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
+PATH = chain(START, STOP, START, BEND_MANOEUVRE, STOP)
 GAIN_RANGE, EQUAL_ERROR_TOLERANCE, MAX_BRACKET_RATIO, MAX_GAIN_TRIES, TYPICAL_GAIN_SLOPE = (
     (0.25, 8.0),
     0.02,
@@ -199,7 +199,7 @@ def compare(job: Job) -> Comparison:
     """All ways at the error of the learned cart that is held in the middle, with the usual gains."""
     first = drive(job, LEARNED, MIDDLE_PLACE, 1.0)
     paid = {(LEARNED, MIDDLE_PLACE): first}
-    for knowledge, place in product(KNOWLEDGE, PLACES):
+    for knowledge, place in product(KNOWLEDGE, GRIP_CHOICES):
         if (knowledge, place) not in paid:
             paid[knowledge, place] = at_error(first.error, partial(drive, job, knowledge, place))
     return Comparison(job, first.error, paid)

@@ -16,11 +16,11 @@ from .effort import (
     BEST_PLACE,
     CHOSEN_PLACE,
     GAIN_RANGE,
+    GRIP_CHOICES,
     HANDS,
     KNOWLEDGE,
     LEARNED,
     MIDDLE_PLACE,
-    PLACES,
     USUAL_LOAD_KEPT,
     WRONG_GUESS_KEPT,
     Comparison,
@@ -57,7 +57,7 @@ def tables(found: Sequence[Comparison]) -> list[tuple[str, tuple[str, ...], list
     truck_columns = ("truck", "error mm", *(", ".join(way) for way in TRUCK_WAYS))
     static_columns = ("hands", *(f"{100 * aside:g} cm" for aside in STATIC_COM_OFFSETS))
     return [
-        (WAY_TITLE, WAY_COLUMNS, [_way_row(found, way) for way in product(KNOWLEDGE, PLACES)]),
+        (WAY_TITLE, WAY_COLUMNS, [_way_row(found, way) for way in product(KNOWLEDGE, GRIP_CHOICES)]),
         (TRUCK_TITLE, truck_columns, [_truck_row(one) for one in found]),
         (STATIC_TITLE, static_columns, [_static_row(hands, alone) for hands in HANDS for alone in (False, True)]),
     ]

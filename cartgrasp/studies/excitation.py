@@ -46,20 +46,20 @@ ALLOWANCES = {
     D_MOTION: Allowance(30.0, 0.03, D_OPTIMAL),
 }
 """N² beyond the least, mean over each window; m to either side."""
-PARAMETERS = ("mass", "com_x", "com_y", "inertia")
+PHYSICAL_PARAMETERS = ("mass", "com_x", "com_y", "inertia")
 KNOWN_PARAMETERS = frozenset({"viscous_drag"})
 WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
 FILTER_NOISE = FilterNoise(
     *(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment), disturbance=0.02, slip=0.0001
 )
-PLACES = ((-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8))
+ARM_CONTACTS = ((-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8))
 
 
 def arms() -> tuple[Arm, ...]:
     force, moment = (80.0, 60.0, 40.0), (10.0, 10.0, 15.0)
     sides = {"left": 1, "right": -1}
     return tuple(
-        Arm(name, [(x, side * y, z) for x, y, z in PLACES], force_limit=force, moment_limit=moment)
+        Arm(name, [(x, side * y, z) for x, y, z in ARM_CONTACTS], force_limit=force, moment_limit=moment)
         for name, side in sides.items()
     )
 
@@ -149,21 +149,21 @@ def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
     return with_truth(run(base.build(**parts), duration), base.truth)
 
 
-def taught(way: str) -> Array:
+def way_information(way: str) -> Array:
     """Information (p, p) at the end, the prior's included, of a drive along the way's own reference."""
     if way in ALLOWANCES:
-        return taught_by(excitation(ALLOWANCES[way]))
+        return plan_information(excitation(ALLOWANCES[way]))
     base = scenario(way, 0)
     source = PeriodicContacts(base.arms, DWELL_TIME) if way == PERIODIC_WAY else FixedContacts(base.arms)
-    return _taught(PathReference(base.stretches, base.truth.rolling), source)
+    return _information(PathReference(base.stretches, base.truth.rolling), source)
 
 
-def taught_by(plan: ExcitationPlan) -> Array:
+def plan_information(plan: ExcitationPlan) -> Array:
     """Information (p, p) at the end of a drive along a plan, the prior's included."""
-    return _taught(plan.reference, plan)
+    return _information(plan.reference, plan)
 
 
-def _taught(reference: ReferencePath, source: ContactSource) -> Array:
+def _information(reference: ReferencePath, source: ContactSource) -> Array:
     base = scenario(FIXED_WAY, 0)
     cart = base.truth
     times = (np.arange(round(reference.duration * WRENCH_NOISE.rate)) + 0.5) / WRENCH_NOISE.rate

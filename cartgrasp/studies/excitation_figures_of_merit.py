@@ -17,17 +17,17 @@ from .excitation import (
     CHOSEN_WAY,
     E_MOTION,
     FIXED_WAY,
-    PARAMETERS,
     PERIODIC_WAY,
+    PHYSICAL_PARAMETERS,
     Drive,
     excitation,
+    plan_information,
     scenario,
-    taught,
-    taught_by,
+    way_information,
 )
 
-COLUMNS = ("way", *PARAMETERS, "effort N²·s", "tracking cm")
-PRICE_COLUMNS = ("allowed N²", "weave cm", *PARAMETERS, "effort N²·s")
+COLUMNS = ("way", *PHYSICAL_PARAMETERS, "effort N²·s", "tracking cm")
+PRICE_COLUMNS = ("allowed N²", "weave cm", *PHYSICAL_PARAMETERS, "effort N²·s")
 PRICED_ALLOWANCES = (
     Allowance(0.0, 0.0, D_OPTIMAL),
     *(Allowance(effort, 0.03, D_OPTIMAL) for effort in (3.0, 10.0, 30.0, 100.0)),
@@ -37,7 +37,7 @@ MAX_STD_RATIO, MAX_ERROR_SIGMAS = 1.5, 3.0
 
 def bounds(way: str) -> Array:
     """Cramér-Rao bounds (4,) of mass, CoM and inertia at the end, by the information of the way's own reference."""
-    return _bounds(taught(way))
+    return _bounds(way_information(way))
 
 
 def _bounds(information: Array) -> Array:
@@ -52,7 +52,7 @@ def price_rows() -> list[tuple[str, ...]]:
         plan = excitation(allowance)
         effort = sum(w.effort * (w.window[1] - w.window[0]) for w in plan.windows)
         cells = (f"{allowance.effort:g}", f"{100 * allowance.offset:g}")
-        found.append((*cells, *(f"{sd:.3g}" for sd in _bounds(taught_by(plan))), f"{effort:.0f}"))
+        found.append((*cells, *(f"{sd:.3g}" for sd in _bounds(plan_information(plan))), f"{effort:.0f}"))
     return found
 
 
@@ -75,7 +75,7 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     x, inertia = contacts[[1, 3]] / fixed[[1, 3]]
     gains = motion / np.minimum(fixed, periodic)
     ratios = np.array([_last(drive) / bounds(drive.way) for drive in drives])
-    worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PARAMETERS)
+    worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PHYSICAL_PARAMETERS)
     spent = max(w.effort - w.least_effort - a.effort for a in ALLOWANCES.values() for w in excitation(a).windows)
     return [
         Claim(
@@ -116,16 +116,16 @@ def as_dict(drive: Drive) -> dict[str, object]:
     foretold = bounds(drive.way).tolist()
     return {
         "way": drive.way,
-        "std": dict(zip(PARAMETERS, _last(drive).tolist(), strict=True)),
-        "bound": dict(zip(PARAMETERS, foretold, strict=True)),
-        "rms_error": {name: _root_mean_square(drive.errors(name)) for name in PARAMETERS},
+        "std": dict(zip(PHYSICAL_PARAMETERS, _last(drive).tolist(), strict=True)),
+        "bound": dict(zip(PHYSICAL_PARAMETERS, foretold, strict=True)),
+        "rms_error": {name: _root_mean_square(drive.errors(name)) for name in PHYSICAL_PARAMETERS},
         "effort": float(drive.effort[-1]),
         "tracking_error": drive.tracking_error,
     }
 
 
 def _last(drive: Drive) -> Array:
-    return np.array([drive.std(name)[-1] for name in PARAMETERS])
+    return np.array([drive.std(name)[-1] for name in PHYSICAL_PARAMETERS])
 
 
 def _root_mean_square(values: Array) -> float:

@@ -12,7 +12,7 @@ from matplotlib.figure import Figure
 
 from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .excitation import PARAMETERS, Drive
+from .excitation import PHYSICAL_PARAMETERS, Drive
 
 LABELS = {"mass": "mass (kg)", "com_x": "CoM x (m)", "com_y": "CoM y (m)", "inertia": "inertia (kg·m²)"}
 STYLES = ("-", "--", "-.", "-", ":")
@@ -55,7 +55,7 @@ def figure_excitation(drives: Sequence[Drive]) -> Figure:
     with house_style():
         figure = Figure(figsize=(7.2, 5.6), layout="constrained")
         axes = figure.subplots(3, 2).ravel()
-        for panel, parameter in zip(axes, PARAMETERS, strict=False):
+        for panel, parameter in zip(axes, PHYSICAL_PARAMETERS, strict=False):
             draw_deviations(panel, drives, parameter)
         draw_effort(axes[4], drives)
         draw_paths(axes[5], drives)

@@ -8,7 +8,7 @@ from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.consistency import (
     MATCHED_MODEL,
     MODELS,
-    MOTION,
+    MOTION_NEES,
     PRIOR,
     SQUARES,
     WRONG_MODEL,
@@ -52,10 +52,10 @@ def drawn_traces(n, wrong=3.0, seed=1):
 
 def test_figures(tmp_path):
     runs = drawn_traces(30)
-    found = consistency(runs, MATCHED_MODEL, MOTION)
+    found = consistency(runs, MATCHED_MODEL, MOTION_NEES)
     assert chi2.cdf(150 * found.low, 150) == pytest.approx(0.025)
     assert chi2.cdf(150 * found.high, 150) == pytest.approx(0.975)
-    assert found.mean[7] == pytest.approx(np.mean([run[MATCHED_MODEL].squares[MOTION][7] for run in runs]) / 5)
+    assert found.mean[7] == pytest.approx(np.mean([run[MATCHED_MODEL].squares[MOTION_NEES][7] for run in runs]) / 5)
     assert found.inside == pytest.approx(0.95, abs=0.04)
     assert {len(row) for row in rows(runs)} == {len(COLUMNS)}
     assert {len(row) for row in score_rows(runs)} == {len(SCORE_COLUMNS)}
@@ -67,8 +67,8 @@ def test_claims_can_fail():
     assert not all_kept(claims(drawn_traces(30, wrong=1.0)))
     timid = drawn_traces(30)
     for run in timid:
-        run[MATCHED_MODEL].squares[MOTION] *= 0.5
-    assert [claim.what for claim in claims(timid) if not claim.holds] == [MOTION]
+        run[MATCHED_MODEL].squares[MOTION_NEES] *= 0.5
+    assert [claim.what for claim in claims(timid) if not claim.holds] == [MOTION_NEES]
 
 
 def test_carts_are_drawn_from_the_prior():

@@ -12,11 +12,11 @@ from cartgrasp.studies.effort import (
     BEST_PLACE,
     CHOSEN_PLACE,
     FIRST_GUESS,
+    GRIP_CHOICES,
     GRIPS,
     KNOWLEDGE,
     LEARNED,
     MIDDLE_PLACE,
-    PLACES,
     USUAL_LOAD_KEPT,
     WRONG_GUESS_KEPT,
     Comparison,
@@ -80,7 +80,7 @@ def test_a_drive(monkeypatch):
 def test_its_figures():
     """Three trucks, of which a wrong guess has the error of one, falls with one, and is far off with one."""
     first = RunCost(1.0, 0.002, 10.0, 2.0, 20.0, 4.0, 140.0)
-    paid = dict.fromkeys(product(KNOWLEDGE, PLACES), first)
+    paid = dict.fromkeys(product(KNOWLEDGE, GRIP_CHOICES), first)
     paid[LEARNED, BEST_PLACE] = replace(first, force=9.8, effort=100.0)
     paid[LEARNED, CHOSEN_PLACE] = replace(first, force=7.9, effort=120.0, regrasps=1)
     found = [

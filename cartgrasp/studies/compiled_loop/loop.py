@@ -109,7 +109,9 @@ class _Run:
         s = self.scenario
         stable = MAX_STEP_STIFFNESS if s.truth.effects else np.inf
         limits = s.period, s.plant_timestep or MAX_STEP, stable
-        while (code := tick.go_on(self.course, self.blocks, self.held, self.series, self.at, limits)) != tick.RUN_DONE:
+        while (
+            code := tick.run_steps(self.course, self.blocks, self.held, self.series, self.at, limits)
+        ) != tick.RUN_DONE:
             if code == tick.ROW_DUE:
                 self._take_row()
             elif code == tick.PLAN_MISSING:

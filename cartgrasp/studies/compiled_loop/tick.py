@@ -42,7 +42,7 @@ over = compiled(row_algebra.over)
 
 
 @entry
-def go_on(
+def run_steps(
     course: RunInputs, blocks: Workspaces, held: LoopState, series: RunHistory, at: Ints, limits: StepLimits
 ) -> int:
     """Runs the loop on from where `at` (5,) is; returns why it stops."""
