@@ -19,9 +19,9 @@ from .experiments.teaching_motions import remedy
 from .parameter_report import ParameterReport
 from .prior import Prior, report_names
 
-TOGETHER = 0.8
+CONFOUNDED_CORRELATION = 0.8
 """Correlation from which two parameters are said to move together."""
-AT_REST = "record the arms at rest, and hold at another point"
+REST_REMEDY = "record the arms at rest, and hold at another point"
 
 
 @dataclass(frozen=True)
@@ -103,7 +103,7 @@ class _Known:
         correlation = self.covariance / np.outer(self.std, self.std)
         group = {i: {i} for i in members}
         for i, j in combinations(members, 2):
-            if abs(correlation[i, j]) > TOGETHER:
+            if abs(correlation[i, j]) > CONFOUNDED_CORRELATION:
                 whole = group[i] | group[j]
                 group.update(dict.fromkeys(whole, whole))
         return sorted({tuple(sorted(one)) for one in group.values()})
@@ -113,7 +113,7 @@ class _Known:
         cart, here = self.estimate.structure, list(group)
         of_sensors = {key for effect, _ in cart.sensor_effects for key in effect.keys}
         if of_sensors & {self.names[i] for i in here}:
-            return AT_REST
+            return REST_REMEDY
         scale = 1 / self.first[here]
         _, directions = np.linalg.eigh(self.covariance[np.ix_(here, here)] * np.outer(scale, scale))
         return remedy(self.estimate, self.free, (directions[:, -1] * scale) @ self.to_report[here], WrenchNoise())

@@ -11,7 +11,7 @@ from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-SIDE_PUSH = 20.0
+SIDE_PUSH_DENSITY = 20.0
 """N m/√s: 40 N aside for a second at 0.5 m/s."""
 
 
@@ -61,7 +61,7 @@ class FilterNoise:
 
     def sideways(self, cart: CartModel) -> float:
         """How far wheels creep sideways, m/√s: what they are known to (`lateral_slip`) is no sensor of side force."""
-        return math.hypot(self.slip, SIDE_PUSH * cart.slip_compliance)
+        return math.hypot(self.slip, SIDE_PUSH_DENSITY * cart.slip_compliance)
 
     def wrench_scale(self, cart: CartModel) -> Array:
         """Scale of each component of the reduced wrench, for a force of 1 N: moments have the lever."""

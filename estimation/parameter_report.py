@@ -15,12 +15,12 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .health import Health
-from .physical_set import EDGE, LEAST_INERTIA_SHARE, LEAST_MASS_SHARE
+from .physical_set import BOUND_MARGIN, MIN_INERTIA_RATIO, MIN_MASS_RATIO
 from .prior import Prior, report_names, report_units
 
-AT = 2.0 * EDGE
+BOUND_TOLERANCE = 2.0 * BOUND_MARGIN
 """Share of the first standard deviation: a value that is no farther from a bound is at it."""
-IDENTIFIABLE_SHARE = 0.25
+IDENTIFIABLE_STD_RATIO = 0.25
 """Share of the prior's standard deviation below which a parameter counts as taught."""
 
 
@@ -32,19 +32,19 @@ class ParameterReport:
         self.cart = cart
         self._prior_std = prior.deviations(cart)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        unlimited, least = (-np.inf, np.inf), (LEAST_MASS_SHARE, LEAST_INERTIA_SHARE)
+        unlimited, least = (-np.inf, np.inf), (MIN_MASS_RATIO, MIN_INERTIA_RATIO)
         mass, inertia = least[0] * cart.inertia.mass, least[1] * cart.inertia.about_com
         bounds = list(limits or ((mass, np.inf), unlimited, unlimited, (inertia, np.inf)))
         bounds += [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         lower, upper = np.array(bounds).T
-        self._lower, self._upper = lower + AT * self._prior_std, upper - AT * self._prior_std
+        self._lower, self._upper = lower + BOUND_TOLERANCE * self._prior_std, upper - BOUND_TOLERANCE * self._prior_std
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
         standard deviation of the number that was estimated behind each: a deviation of a physical value also shrinks
         where the value runs away. At a bound of an effect, or as light as a cart may be, nothing is taught."""
         values, std = self.numbers(theta, covariance)
-        learned = (share < IDENTIFIABLE_SHARE) & (std < IDENTIFIABLE_SHARE * self._prior_std)
+        learned = (share < IDENTIFIABLE_STD_RATIO) & (std < IDENTIFIABLE_STD_RATIO * self._prior_std)
         learned &= (self._lower < values) & (values < self._upper)
         rows = zip(self._names, values.tolist(), std.tolist(), learned.tolist(), strict=True)
         return {

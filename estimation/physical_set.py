@@ -22,8 +22,8 @@ from cartgrasp.model import CartModel
 if TYPE_CHECKING:
     from scipy.optimize import NonlinearConstraint
 
-LEAST_MASS_SHARE, LEAST_INERTIA_SHARE = 0.1, 0.05
-EDGE = 1e-6
+MIN_MASS_RATIO, MIN_INERTIA_RATIO = 0.1, 0.05
+BOUND_MARGIN = 1e-6
 """How far inside its bounds a solution is put, as a share of the first guess."""
 
 
@@ -44,7 +44,7 @@ class PhysicalSet:
         bounds = [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
         lower, upper = np.array(bounds).reshape(-1, 2).T
         body = cart.inertia
-        least = LEAST_MASS_SHARE * body.mass, LEAST_INERTIA_SHARE * body.about_com
+        least = MIN_MASS_RATIO * body.mass, MIN_INERTIA_RATIO * body.about_com
         return cls(*least, lower, upper, not cart.constraints.no_rotation, source)
 
     @cached_property
@@ -80,7 +80,7 @@ class PhysicalSet:
         from scipy.optimize import Bounds, minimize
 
         low, high = np.full(len(parameters), -np.inf), np.full(len(parameters), np.inf)
-        low[0], low[N_PHI:], high[N_PHI:] = (1 + EDGE) * self.mass, self.lower, self.upper
+        low[0], low[N_PHI:], high[N_PHI:] = (1 + BOUND_MARGIN) * self.mass, self.lower, self.upper
         which, scale = lift.argmax(axis=0), lift.max(axis=0)
         limits = [((edge - parameters)[which] / scale) for edge in (low, high)]
         step = _least(metric, *limits)
@@ -107,7 +107,7 @@ class PhysicalSet:
 
         def spare(step: Any) -> Array:
             mass, x, y, inertia = phi + lift @ step
-            return np.array([inertia - (1 + EDGE) * self.about_com - (x * x + y * y) / mass])
+            return np.array([inertia - (1 + BOUND_MARGIN) * self.about_com - (x * x + y * y) / mass])
 
         def slope(step: Any) -> Array:
             mass, x, y, _ = phi + lift @ step
@@ -129,10 +129,10 @@ class PhysicalSet:
         root = np.linalg.cholesky(information * np.outer(scale, scale)).T
         step = cp.Variable(len(free))
         found = parameters + lift @ step
-        limits = [found[0] >= (1 + EDGE) * self.mass]
+        limits = [found[0] >= (1 + BOUND_MARGIN) * self.mass]
         if self.turns:
             moments = cp.reshape(found[1:3], (2, 1), order="C")
-            second = (found[3] - (1 + EDGE) * self.about_com) * np.eye(2)
+            second = (found[3] - (1 + BOUND_MARGIN) * self.about_com) * np.eye(2)
             limits.append(cp.bmat([[cp.reshape(found[0], (1, 1), order="C"), moments.T], [moments, second]]) >> 0)
         limits += [found[N_PHI + i] >= self.lower[i] for i in self._limited(self.lower, free)]
         limits += [found[N_PHI + i] <= self.upper[i] for i in self._limited(self.upper, free)]

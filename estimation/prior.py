@@ -16,7 +16,7 @@ from cartgrasp.model import CartModel
 PHYSICAL_UNITS = ("kg", "m", "m", "kg·m²")
 
 
-SURE = 1e-3
+KNOWN_STD_RATIO = 1e-3
 """Share of a usual deviation, for what is known of a body whose mass is not: only its moments enter linearly."""
 
 
@@ -92,7 +92,7 @@ class Prior:
         from_physical = np.linalg.inv(physical_jacobian(cart.inertia.phi))
         own = deviations[:N_PHI].copy()
         if self._is_sure(cart)[0]:
-            own[0] *= SURE  # a known mass moves no moment
+            own[0] *= KNOWN_STD_RATIO  # a known mass moves no moment
         covariance[:N_PHI, :N_PHI] = from_physical @ np.diag(own**2) @ from_physical.T
         return covariance
 
@@ -110,7 +110,9 @@ class Prior:
             deviations[names.index(name)] = std
         sure = self._is_sure(cart)
         sure[0] = False
-        return np.array(deviations) * np.where(np.append(sure, np.zeros(len(names) - N_PHI, dtype=bool)), SURE, 1.0)
+        return np.array(deviations) * np.where(
+            np.append(sure, np.zeros(len(names) - N_PHI, dtype=bool)), KNOWN_STD_RATIO, 1.0
+        )
 
     def _is_sure(self, cart: CartModel) -> np.ndarray:
         """Which of a body's numbers (4,) are known where not all are."""

@@ -1,6 +1,6 @@
 """Below which speed a cart may stand: brakes, chocks and dry friction then hold any force, and nothing is taught."""
 
-STILL_SPEED = 0.02
-"""m/s, of {b}'s origin and, by `LEVER`, of its turning."""
-LEVER = 0.35
+STANDSTILL_SPEED = 0.02
+"""m/s, of {b}'s origin and, by `HALF_TRACK`, of its turning."""
+HALF_TRACK = 0.35
 """m: half of a usual track."""

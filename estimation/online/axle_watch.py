@@ -7,9 +7,9 @@ from typing import NamedTuple
 
 from ..sensor_check.axle import ASIDE, elsewhere
 from ..sensor_check.suspicion import Suspicion
-from .rivals import KEPT, LEAST_ROWS, SHARED
+from .rivals import BLOCK_FORGETTING_FACTOR, MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW
 
-TURNS = 0.5
+MIN_TURN_CORRELATION = 0.5
 """Least correlation of a turn with the one before: what turns goes on to, and noise of headings turns back."""
 
 
@@ -29,16 +29,16 @@ class AxleWatch(NamedTuple):
     def and_then(self, turn: float, slip: float, way: float) -> AxleWatch:
         """With a turn (rad), a slip (m) and the square of a way (m²) more."""
         new = turn * self.last, turn * turn, slip * turn, slip * slip, way, 1.0
-        return AxleWatch(turn, *(KEPT * old + more for old, more in zip(self[1:], new, strict=True)))
+        return AxleWatch(turn, *(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self[1:], new, strict=True)))
 
     def suspicion(self, axle_x: float, least: float) -> Suspicion | None:
         """`offset` of the pose, where it is as probable at least; None where too little is seen to turn, or the cart
         slips whatever it turns about."""
-        if self.rows < LEAST_ROWS or not self.lasting > TURNS * self.turned:
+        if self.rows < MIN_EVIDENCE_ROWS or not self.lasting > MIN_TURN_CORRELATION * self.turned:
             return None
         off = -self.pulled / self.turned
         left = self.slipped - self.pulled * self.pulled / self.turned
         if not 0.0 <= left <= ASIDE**2 * self.way:
             return None
-        std = math.sqrt(left * SHARED / self.rows / self.turned)
+        std = math.sqrt(left * ROWS_PER_INDEPENDENT_ROW / self.rows / self.turned)
         return elsewhere(axle_x + off, axle_x, std, least)

@@ -17,13 +17,13 @@ from cartgrasp.motion import Measurement
 from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import UNIT_ODDS
-from .first_motion import LOST_AFTER
+from .first_motion import MAX_TRACKING_GAP
 from .measured_motion import usable
 from .rivals import Rivals
 
-TIMES = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
+TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
 """s."""
-STRETCH = 16
+PATH_SAMPLES = 16
 """Samples of a way, so that it is longer than the noise of its ends."""
 
 
@@ -40,7 +40,7 @@ class ClockWatch:
         gap, time = measurement.time - self._time, measurement.time
         if not gap > 0.0:
             return
-        self.is_lost, self._time, self._gap = LOST_AFTER < gap < math.inf, time, gap
+        self.is_lost, self._time, self._gap = MAX_TRACKING_GAP < gap < math.inf, time, gap
         if self.is_lost:
             self._go_on(measurement, gap)
         elif self._rivals.rows or self._place is not None:
@@ -50,18 +50,18 @@ class ClockWatch:
     def suspicions(self) -> Iterator[Suspicion]:
         if not self._rivals.rows:
             return
-        odds = np.array([1.0, *[UNIT_ODDS] * (len(TIMES) - 1)])
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(TIME_UNITS) - 1)])
         _, *units = probabilities(np.array(self._rivals.evidence), odds).tolist()
         if sum(units) > SURE:
-            unit = list(TIMES)[1 + units.index(max(units))]
+            unit = list(TIME_UNITS)[1 + units.index(max(units))]
             words = (
                 f"samples come every {self._gap:.3g} s by their stamps, and poses move as in {self._gap:.3g} {unit}: "
                 f"times seem to be in {unit}, not s"
             )
-            yield Suspicion("unit", "time", sum(units), TIMES[unit], words)
+            yield Suspicion("unit", "time", sum(units), TIME_UNITS[unit], words)
 
     def _start_anew(self) -> None:
-        self._rivals = Rivals((0.0,) * len(TIMES))
+        self._rivals = Rivals((0.0,) * len(TIME_UNITS))
         self._place: Array | None = None
         self._velocity, self._way, self._samples = np.zeros(2), np.zeros(2), 0
 
@@ -78,7 +78,7 @@ class ClockWatch:
         else:
             self._way, self._samples = self._way + 0.5 * gap * (self._velocity + velocity), self._samples + 1
         self._velocity = velocity
-        if self._samples == STRETCH:
+        if self._samples == PATH_SAMPLES:
             went = place - self._place
-            left = [float(np.sum((went - unit * self._way) ** 2)) for unit in TIMES.values()]
+            left = [float(np.sum((went - unit * self._way) ** 2)) for unit in TIME_UNITS.values()]
             self._rivals, self._place = self._rivals.and_then(left, float(went @ went)), None

@@ -22,7 +22,7 @@ from .learning_filter import LearningFilter
 from .regressor.parameter_learner import ParameterLearner
 from .regressor.wrench_loudness import WrenchLoudness
 
-SAME = 1e-9
+TIME_TOLERANCE = 1e-9
 """s."""
 
 
@@ -62,12 +62,12 @@ class DelayedWrenches:
         core, self._now, self.time = self.core, None, measurement.time
         felt = self.time - self._delay
         self._held = (*self._held, replace(measurement, wrenches={}))
-        while self._held and (self._held[0].time <= felt + SAME or core.time == -math.inf):
+        while self._held and (self._held[0].time <= felt + TIME_TOLERANCE or core.time == -math.inf):
             core.take(self._held[0])
             self._held = self._held[1:]
         if measurement.wrenches:
-            self._recorded = (*(one for one in self._recorded if one.time > felt - SAME), measurement)
-            if felt > core.time - SAME:
+            self._recorded = (*(one for one in self._recorded if one.time > felt - TIME_TOLERANCE), measurement)
+            if felt > core.time - TIME_TOLERANCE:
                 core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
 
     def scale_noise(self, noise_factors: Array) -> None:

@@ -9,7 +9,7 @@ from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
 
-LOST_AFTER = 1.0
+MAX_TRACKING_GAP = 1.0
 """s without a sample after which the motion may be any again."""
 
 

@@ -15,11 +15,11 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-MANY, TO_AND_FRO = 200, 0.5
+SENSOR_CALIBRATION_ROWS, MIN_REVERSAL_FRACTION = 200, 0.5
 """Rows by which a sensor is known; share of these in which a component turns round, from which on that is noise."""
-RARE = 1e-6
+FALSE_FREEZE_PROBABILITY = 1e-6
 """Probability of a run that is too long for chance."""
-NOTHING = np.zeros(6)
+ZERO_WRENCH = np.zeros(6)
 
 
 class FrozenWrenches:
@@ -50,7 +50,7 @@ class _Sensor:
     def __init__(self) -> None:
         self._time, self._last, self._run = -math.inf, b"", 0
         self._rows = self._again = 0
-        self._wrench = self._change = NOTHING
+        self._wrench = self._change = ZERO_WRENCH
         self._turned = np.zeros(6)
         self._longest: int | None = None  # run that may be by chance; None: it tells no noise, or is not known
 
@@ -60,7 +60,7 @@ class _Sensor:
         self._time, told = time, wrench.tobytes()
         is_again, self._last = told == self._last, told
         self._run = self._run + 1 if is_again else 0
-        if self._rows < MANY:
+        if self._rows < SENSOR_CALIBRATION_ROWS:
             self._learn(wrench, is_again)
         return self._longest is not None and self._run > self._longest and bool(wrench.any())
 
@@ -71,5 +71,10 @@ class _Sensor:
         self._turned += change * self._change < 0.0
         self._wrench, self._change = wrench, change
         self._rows, self._again = self._rows + 1, self._again + is_again
-        if self._rows == MANY and self._turned.max() > TO_AND_FRO * MANY:
-            self._longest = math.ceil(math.log(RARE) / math.log((self._again + 1) / (MANY + 2)))
+        if (
+            self._rows == SENSOR_CALIBRATION_ROWS
+            and self._turned.max() > MIN_REVERSAL_FRACTION * SENSOR_CALIBRATION_ROWS
+        ):
+            self._longest = math.ceil(
+                math.log(FALSE_FREEZE_PROBABILITY) / math.log((self._again + 1) / (SENSOR_CALIBRATION_ROWS + 2))
+            )

@@ -16,11 +16,11 @@ from cartgrasp.motion import Measurement
 
 from .regressor.wrench_loudness import WrenchLoudness
 
-REACH = 0.3
+MAX_SAMPLE_DELAY = 0.3
 """s: how late a sample may be."""
-EVERY = 0.1
+CHECKPOINT_INTERVAL = 0.1
 """s between states that are kept."""
-SET_BACK = 0.5
+CLOCK_RESET_TIMEOUT = 0.5
 """s: for how long nothing but refused samples come, one after the other, when the clock was set back."""
 
 
@@ -53,7 +53,7 @@ T = TypeVar("T", bound=SampleFilter)
 
 
 @dataclass(frozen=True)
-class Kept(Generic[T]):
+class Checkpoint(Generic[T]):
     """A state, and how many samples it had seen."""
 
     state: T
@@ -65,8 +65,8 @@ class LateSamples(Generic[T]):
 
     def __init__(self, state: T) -> None:
         self.state = state
-        self._kept: list[Kept[T]] = []
-        self._after_late: Kept[T] | None = None
+        self._kept: list[Checkpoint[T]] = []
+        self._after_late: Checkpoint[T] | None = None
         self._due = -math.inf  # when the next state is kept
         self._samples: list[Measurement] = []
         self._forgotten = 0
@@ -85,9 +85,9 @@ class LateSamples(Generic[T]):
             return True
         first, last = self._refused or (measurement.time, measurement.time)
         self._refused = (first if last <= measurement.time else measurement.time), measurement.time
-        if measurement.time - self._refused[0] < SET_BACK:
+        if measurement.time - self._refused[0] < CLOCK_RESET_TIMEOUT:
             return False
-        gap = self.state.time + SET_BACK - measurement.time
+        gap = self.state.time + CLOCK_RESET_TIMEOUT - measurement.time
         self.ahead += gap
         return self._take(replace(measurement, time=measurement.time + gap))
 
@@ -115,7 +115,7 @@ class LateSamples(Generic[T]):
         late = sum(sample.time <= measurement.time for sample in again)
         for sample in (*again[:late], measurement):
             self._go_on(sample)
-        self._after_late = Kept(self.state.copy(), self._forgotten + len(self._samples))
+        self._after_late = Checkpoint(self.state.copy(), self._forgotten + len(self._samples))
         for sample in again[late:]:
             self._go_on(sample)
         return True
@@ -123,7 +123,7 @@ class LateSamples(Generic[T]):
     def _go_back(self, time: float) -> int:
         """To the last state that is kept of before a time; returns how many samples it had seen."""
         last, late = self._kept[-1], self._after_late
-        self._due, self._after_late = last.state.time + EVERY, None
+        self._due, self._after_late = last.state.time + CHECKPOINT_INTERVAL, None
         if late is not None and late.seen > last.seen and late.state.time <= time:
             self.state = late.state
             return late.seen
@@ -137,9 +137,9 @@ class LateSamples(Generic[T]):
             self._keep()
 
     def _keep(self) -> None:
-        self._kept.append(Kept(self.state.copy(), self._forgotten + len(self._samples)))
-        self._due = self.state.time + EVERY
-        while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - REACH:
+        self._kept.append(Checkpoint(self.state.copy(), self._forgotten + len(self._samples)))
+        self._due = self.state.time + CHECKPOINT_INTERVAL
+        while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - MAX_SAMPLE_DELAY:
             self._kept.pop(0)
         passed, late = self._kept[0].seen - self._forgotten, self._after_late
         if late is not None and late.seen < self._kept[0].seen:

@@ -22,7 +22,7 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, said
-from .first_motion import LOST_AFTER
+from .first_motion import MAX_TRACKING_GAP
 from .measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from .regressor.parameter_learner import ParameterLearner
 from .regressor.wrench_loudness import WrenchLoudness
@@ -64,7 +64,7 @@ class LearningFilter:
             motion.start(time, seen[:3])
             self._started = math.isfinite(seen[2])  # without a heading nobody knows where anything pushes
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
-        elif time - motion.time > LOST_AFTER:
+        elif time - motion.time > MAX_TRACKING_GAP:
             motion.coast(time)
         motion.advance(time, seen, felt, self.learner.gate_ratio)
 

@@ -10,7 +10,7 @@ from cartgrasp.model import CartModel
 
 from ..prior import Prior
 
-LOAD_SHARE = 0.3
+LOAD_STD_RATIO = 0.3
 """Usual size of a load, as a standard deviation, in shares of the mass."""
 
 
@@ -24,7 +24,7 @@ def load_covariance(cart: CartModel, prior: Prior, mass: float) -> Array:
     spread[3, 1] = spread[1, 3] = 2 * x * place**2
     spread[3, 2] = spread[2, 3] = 2 * y * place**2
     covariance = np.zeros((len(cart.parameters), len(cart.parameters)))
-    covariance[:N_PHI, :N_PHI] = (LOAD_SHARE * mass) ** 2 * (np.outer(shape, shape) + spread)
+    covariance[:N_PHI, :N_PHI] = (LOAD_STD_RATIO * mass) ** 2 * (np.outer(shape, shape) + spread)
     return covariance
 
 

@@ -24,7 +24,7 @@ from .repeated_poses import RepeatedPoses
 from .sensor_watch import SensorWatch
 from .warming import made_up_push
 
-AT_ONCE = 0.02
+SLOW_LOOP_INTERVAL = 0.02
 """s between samples: a loop that is slower has time for all that is to be done with each."""
 
 C = TypeVar("C", bound=SampleFilter)
@@ -57,7 +57,7 @@ class OnlineEstimator(ABC, Generic[C]):
             is_taken = samples.take(news)
             self._clock.note(news)
             now = measurement.time + samples.ahead
-            is_slow = not now - before < AT_ONCE
+            is_slow = not now - before < SLOW_LOOP_INTERVAL
             is_free = now >= watch.due and (is_slow or not samples.state.worked)
             if is_free and watch.go_on(now, samples.last, at_once=is_slow):
                 samples.scale_noise(watch.noise_factors)

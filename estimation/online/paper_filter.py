@@ -27,7 +27,7 @@ from .wrench_sensing import WrenchSensing
 
 DIVERGED = "diverged"
 LITERAL = "paper_literal"
-BLOW_UP = 1e6
+MAX_STATE = 1e6
 
 
 class PaperFilter:
@@ -159,7 +159,7 @@ class PaperFilter:
             self._diverged = True
             return
         mean, covariance = self._mean + gain @ residual, P - gain @ P[:6]
-        if not np.isfinite(mean).all() or np.abs(mean).max() > BLOW_UP or not np.isfinite(covariance).all():
+        if not np.isfinite(mean).all() or np.abs(mean).max() > MAX_STATE or not np.isfinite(covariance).all():
             self._diverged = True
             return
         self._mean, self._covariance = mean, covariance

@@ -9,7 +9,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .rivals import SHARED
+from .rivals import ROWS_PER_INDEPENDENT_ROW
 
 
 class Powers(NamedTuple):
@@ -54,5 +54,5 @@ class Powers(NamedTuple):
         moved = sign * (ff * self.inertial - self.both * self.friction) / size
         rubbed = sign * (ii * self.friction - self.both * self.inertial) / size
         left = max(self.given - sign * (moved * self.inertial + rubbed * self.friction), 0.0)
-        variance = left / max(rows / SHARED - 2.0, 1.0) / size
+        variance = left / max(rows / ROWS_PER_INDEPENDENT_ROW - 2.0, 1.0) / size
         return (moved, math.sqrt(variance * ff)), (rubbed, math.sqrt(variance * ii))

@@ -14,9 +14,9 @@ import numpy as np
 
 from cartgrasp.motion import Measurement, Motion
 
-MOVING = 0.05
+MIN_MOVING_SPEED = 0.05
 """m/s, or rad/s: faster than what rests is believed to be."""
-MANY, SELDOM = 200, 0.05
+REST_CALIBRATION_POSES, MAX_CHANCE_REPEAT_FRACTION = 200, 0.05
 """Poses at rest after which noise was told or not; share of these that may have come again by chance."""
 
 
@@ -38,19 +38,22 @@ class RepeatedPoses:
         )
         is_again, is_same = pose == self._pose, velocity == self._velocity
         self._pose, self._velocity, self._time = pose, velocity, measurement.time
-        if not (is_again or self._at_rest < MANY):
+        if not (is_again or self._at_rest < REST_CALIBRATION_POSES):
             return measurement
         is_moving = motion is not None and _moves(motion)
         if is_again and (is_moving or self._tells_noise):
             return replace(measurement, pose=None, velocity=None if is_same else measurement.velocity)
-        if self._at_rest < MANY and not is_moving:
+        if self._at_rest < REST_CALIBRATION_POSES and not is_moving:
             self._at_rest, self._again = self._at_rest + 1, self._again + is_again
         return measurement
 
     @property
     def _tells_noise(self) -> bool:
-        return self._at_rest >= MANY and self._again < SELDOM * MANY
+        return (
+            self._at_rest >= REST_CALIBRATION_POSES
+            and self._again < MAX_CHANCE_REPEAT_FRACTION * REST_CALIBRATION_POSES
+        )
 
 
 def _moves(motion: Motion) -> bool:
-    return any(abs(speed) > MOVING for speed in motion.velocity.tolist())
+    return any(abs(speed) > MIN_MOVING_SPEED for speed in motion.velocity.tolist())

@@ -8,11 +8,11 @@ from typing import NamedTuple
 
 from ..sensor_check.evidence import UNEXPLAINED
 
-KEPT = 1.0 - 1.0 / 40.0
+BLOCK_FORGETTING_FACTOR = 1.0 - 1.0 / 40.0
 """Share of the sums that is kept at each new block: 10 s of motion are remembered."""
-LEAST_ROWS, SHARED = 7.0, 2.0
+MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW = 7.0, 2.0
 """Rows of motion before anything is told, and how many of them count as one: neighbours share blocks."""
-EXPLAINED, SOUND = 0.25, 0.05
+MAX_UNEXPLAINED_FRACTION, MAX_SOUND_RESIDUAL_FRACTION = 0.25, 0.05
 """Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
 
 
@@ -24,15 +24,19 @@ class Rivals(NamedTuple):
     rows: float = 0.0
 
     def and_then(self, left: Sequence[float], whole: float) -> Rivals:
-        found = tuple([KEPT * old + new for old, new in zip(self.left, left, strict=True)])
-        return Rivals(found, KEPT * self.whole + whole, KEPT * self.rows + 1.0)
+        found = tuple([BLOCK_FORGETTING_FACTOR * old + new for old, new in zip(self.left, left, strict=True)])
+        return Rivals(found, BLOCK_FORGETTING_FACTOR * self.whole + whole, BLOCK_FORGETTING_FACTOR * self.rows + 1.0)
 
     @property
     def evidence(self) -> list[float]:
         """Logarithms; all alike where nothing explains it, sound sensors do, or nothing is known yet. The noise is
         integrated out, as in `sensor_check/evidence.py`."""
         least = min(self.left)
-        if self.rows < LEAST_ROWS or least > EXPLAINED * self.whole or self.left[0] <= SOUND * self.whole:
+        if (
+            self.rows < MIN_EVIDENCE_ROWS
+            or least > MAX_UNEXPLAINED_FRACTION * self.whole
+            or self.left[0] <= MAX_SOUND_RESIDUAL_FRACTION * self.whole
+        ):
             return [0.0] * len(self.left)
-        rows = self.rows / SHARED
+        rows = self.rows / ROWS_PER_INDEPENDENT_ROW
         return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED**2) for left in self.left]

@@ -18,14 +18,14 @@ from ..health import no_health
 from ..noise import FilterNoise
 from .first_motion import first_motion
 from .kernels import schmidt_steps as kernels
-from .kernels.felt_wrench import HELD
+from .kernels.felt_wrench import WRENCH_HOLD_TIME
 from .kernels.jit import Indices
 from .kernels.schmidt_block import Considered, new_block, parts
-from .kernels.schmidt_steps import MAX_STEP
+from .kernels.schmidt_steps import MAX_FILTER_STEP
 from .kernels.sensor_health import noted
 from .measured_motion import NO_MOTION, NO_WRENCHES
 
-UNKNOWN_FORCE = 100.0
+UNKNOWN_FORCE_STD = 100.0
 """N: of a wrench of which nothing is known."""
 
 
@@ -51,7 +51,7 @@ class SchmidtFilter:
 
     def _set_constants(self) -> None:
         cart, noise, now = self.cart, self._noise, self.now
-        now.unknown[:] = np.diag(noise.wrench_scale(cart) * UNKNOWN_FORCE) ** 2
+        now.unknown[:] = np.diag(noise.wrench_scale(cart) * UNKNOWN_FORCE_STD) ** 2
         now.lift[:] = cart.rolling.along_b.T
         now.project[:] = np.linalg.pinv(cart.basis_b)
         now.variances[:3], now.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
@@ -136,11 +136,11 @@ class SchmidtFilter:
     def _go(self, begin: float, end: float) -> None:
         """What `kernels.drive` does, of effects without kernels."""
         cart, now = self.cart, self.now
-        count = math.ceil((end - begin) / MAX_STEP - 1e-6)
+        count = math.ceil((end - begin) / MAX_FILTER_STEP - 1e-6)
         for i in range(count):
             step = (end - begin) / count
             time = begin + i * step
-            if time - now.pushed[0] > HELD:
+            if time - now.pushed[0] > WRENCH_HOLD_TIME:
                 self._let_go()
             rate = cart.rate(now.mean, now.lift @ now.push, now.theta, time)
             flow = np.concatenate(

@@ -26,35 +26,41 @@ from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
 from .axle_watch import AxleWatch
 from .powers import Powers
-from .rivals import EXPLAINED, KEPT, LEAST_ROWS, SOUND, Rivals
-from .watched_block import HEADINGS, TURN, Block, poses_of, velocities_of, wrapped, wrenches_of
+from .rivals import (
+    BLOCK_FORGETTING_FACTOR,
+    MAX_SOUND_RESIDUAL_FRACTION,
+    MAX_UNEXPLAINED_FRACTION,
+    MIN_EVIDENCE_ROWS,
+    Rivals,
+)
+from .watched_block import FULL_TURN, HEADING_FACTORS, Block, poses_of, velocities_of, wrapped, wrenches_of
 
-SPAN = 0.25
+WATCH_BLOCK_DURATION = 0.25
 """s, of a block."""
-MOST = 64
+MAX_BLOCK_SAMPLES = 64
 """Samples of a block that are looked at."""
-KEEPS = 0.5
+RETAINED_PROBABILITY = 0.5
 """Probability down to which what was told stays so."""
-FASTEST = 40.0
+MAX_PLAUSIBLE_SPEED = 40.0
 """m/s that no cart goes."""
-LENGTHS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
+LENGTH_UNITS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
 """What a metre is recorded as."""
-FORCES = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
+FORCE_UNITS = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
 """N in each unit."""
-FRICTION_SPREAD = math.log(2.0)
+FRICTION_LOG_STD = math.log(2.0)
 """Standard deviation of the logarithm of the friction as guessed, beside that of the mass."""
-UNSURE = 1e6
+UNKNOWN_LOG_VARIANCE = 1e6
 """Variance of a logarithm that is not known."""
-LEAST_SPREAD, LEAST_SHARE = 0.02, 1e-9
+MIN_MASS_LOG_STD, MIN_POWER_RATIO = 0.02, 1e-9
 """Deviation of a mass that is known, as scales are; and a share that is none."""
-RUNNING = 4
+MIN_CONCLUSIONS_IN_A_ROW = 4
 """Conclusions in a row, before a unit of force is told: what a gentle run says of the mass wanders for a while."""
-SELDOM = 0.003
+FORCE_UNIT_ODDS = 0.003
 """Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
 as heavy as it was guessed to be."""
-BEYOND_A_TURN = 100.0
+DEGREES_BEYOND_TURN_ODDS = 100.0
 """Odds of degrees where headings begin beyond a turn: a sensor of radians has to have been turning before."""
-NOISE_BLOCKS, FIRST_BLOCKS, NOISY_BY = 16.0, 6.0, 1.5
+NOISE_AVERAGING_BLOCKS, MIN_NOISE_BLOCKS, MIN_NOISE_RATIO = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
 
@@ -74,9 +80,9 @@ class SensorWatch:
         self.due, self._begun = -math.inf, -math.inf
         self._work: Iterator[None] | None = None
         self._blocks: tuple[Block, ...] = ()
-        self._sideways = self._turning = Rivals((0.0,) * len(HEADINGS))
+        self._sideways = self._turning = Rivals((0.0,) * len(HEADING_FACTORS))
         self._first_heading, self._axle = math.nan, AxleWatch()
-        self._lengths, self._fast = Rivals((0.0,) * len(LENGTHS)), Rivals((0.0,))
+        self._lengths, self._fast = Rivals((0.0,) * len(LENGTH_UNITS)), Rivals((0.0,))
         self._products, self._rows = np.zeros((2, 2)), 0.0
         self._sure, self._noise_blocks = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
@@ -96,20 +102,20 @@ class SensorWatch:
                 if not at_once:
                     break
             else:
-                self._work, self.due = None, self._begun + SPAN
+                self._work, self.due = None, self._begun + WATCH_BLOCK_DURATION
         return self.noise_factors is not before
 
     # --- a block ---------------------------------------------------------------------------------------------
 
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
         """Looks at a block of samples, in pieces."""
-        few = samples[:: 1 + len(samples) // MOST]
+        few = samples[:: 1 + len(samples) // MAX_BLOCK_SAMPLES]
         moved = poses_of(few)
         if moved is None:
             self._blocks = ()
             return
         yield
-        velocity, noise = velocities_of(samples[:MOST])
+        velocity, noise = velocities_of(samples[:MAX_BLOCK_SAMPLES])
         if noise is not None:
             self._note_noise(noise)
         yield
@@ -120,7 +126,10 @@ class SensorWatch:
         block = Block(*moved, velocity, wrenches_of(few, self._contacts, self._arms, self._yaws), noise)
         if math.isnan(self._first_heading):
             self._first_heading = block.headings[0]
-        if self._blocks and not 0.5 * SPAN < block.time - self._blocks[-1].time < 2.0 * SPAN:
+        if (
+            self._blocks
+            and not 0.5 * WATCH_BLOCK_DURATION < block.time - self._blocks[-1].time < 2.0 * WATCH_BLOCK_DURATION
+        ):
             self._blocks = ()
         blocks = self._blocks = (*self._blocks[-2:], block)
         yield
@@ -133,11 +142,11 @@ class SensorWatch:
             self._conclude()
 
     def _note_noise(self, noise: tuple[float, float]) -> None:
-        self._noise_blocks = blocks = min(self._noise_blocks + 1.0, NOISE_BLOCKS)
+        self._noise_blocks = blocks = min(self._noise_blocks + 1.0, NOISE_AVERAGING_BLOCKS)
         rows = zip(self._ratios, noise, self._declared, strict=True)
         linear, yaw = self._ratios = tuple([old + (new / told - old) / blocks for old, new, told in rows])
-        if blocks >= FIRST_BLOCKS and (max(linear, yaw) > NOISY_BY**2 or self.noise_factors.max() > 1.0):
-            self.noise_factors = np.array([one if one > NOISY_BY**2 else 1.0 for one in (linear, yaw)])
+        if blocks >= MIN_NOISE_BLOCKS and (max(linear, yaw) > MIN_NOISE_RATIO**2 or self.noise_factors.max() > 1.0):
+            self.noise_factors = np.array([one if one > MIN_NOISE_RATIO**2 else 1.0 for one in (linear, yaw)])
 
     def _compare_motion(self, first: Block, last: Block) -> None:
         """Poses against the way that wheels roll, and against velocities."""
@@ -153,12 +162,12 @@ class SensorWatch:
                 slipped.append(off)
             self._sideways = self._sideways.and_then([off * off for off in slipped], distance)
             self._axle = self._axle.and_then(turns[0], slipped[0] / by_y, distance)
-        self._fast = self._fast.and_then([(FASTEST * span) ** 2], distance)
+        self._fast = self._fast.and_then([(MAX_PLAUSIBLE_SPEED * span) ** 2], distance)
         if first.velocity is None or last.velocity is None:
             return
         u, v, r = [0.5 * span * (old + new) for old, new in zip(first.velocity, last.velocity, strict=True)]
         self._turning = self._turning.and_then([wrapped(turn - r) ** 2 for turn in turns], r * r)
-        off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTHS.values()]
+        off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTH_UNITS.values()]
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
     def _compare_power(self, blocks: tuple[Block, ...]) -> None:
@@ -184,8 +193,8 @@ class SensorWatch:
         powers = np.array([inertial, friction, *given])
         if len(powers) != len(self._products):
             self._products, self._rows = np.zeros((len(powers), len(powers))), 0.0
-        self._products = KEPT * self._products + np.outer(powers, powers)
-        self._rows = KEPT * self._rows + 1.0
+        self._products = BLOCK_FORGETTING_FACTOR * self._products + np.outer(powers, powers)
+        self._rows = BLOCK_FORGETTING_FACTOR * self._rows + 1.0
 
     # --- what follows ----------------------------------------------------------------------------------------
 
@@ -193,45 +202,47 @@ class SensorWatch:
         found = [*self._of_headings(), *self._of_lengths()]
         if not found:
             found += self._of_axle()
-            if self._sideways.left[0] <= EXPLAINED * self._sideways.whole:
+            if self._sideways.left[0] <= MAX_UNEXPLAINED_FRACTION * self._sideways.whole:
                 found += self._of_wrenches()
         stay = {(one.kind, one.where) for one in self.suspicions}
-        told = [one for one in found if one.probability >= (KEEPS if (one.kind, one.where) in stay else SURE)]
+        told = [
+            one for one in found if one.probability >= (RETAINED_PROBABILITY if (one.kind, one.where) in stay else SURE)
+        ]
         self.suspicions = (*told, *self._of_noise())
 
     def _of_headings(self) -> Iterator[Suspicion]:
         log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
-        of_degrees = BEYOND_A_TURN if self._may_be_degrees else UNIT_ODDS
+        of_degrees = DEGREES_BEYOND_TURN_ODDS if self._may_be_degrees else UNIT_ODDS
         _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, of_degrees, COMMON_ODDS])).tolist()
-        if degrees > KEEPS:
-            yield Suspicion("unit", "heading", degrees, HEADINGS[1], "headings are in degrees, not rad")
-        if reversed_ > KEEPS:
+        if degrees > RETAINED_PROBABILITY:
+            yield Suspicion("unit", "heading", degrees, HEADING_FACTORS[1], "headings are in degrees, not rad")
+        if reversed_ > RETAINED_PROBABILITY:
             yield Suspicion("sign", "heading", reversed_, -1.0, "headings turn the other way: reverse theta")
 
     @property
     def _may_be_degrees(self) -> bool:
         """Headings began beyond a turn, and as degrees they go with the motion, better than as they are."""
-        way, is_long = self._sideways, self._sideways.rows >= LEAST_ROWS
+        way, is_long = self._sideways, self._sideways.rows >= MIN_EVIDENCE_ROWS
         sound, degrees, _ = way.left
-        fits = degrees <= SOUND * way.whole and degrees < 0.5 * sound
-        return abs(self._first_heading) > TURN and is_long and fits
+        fits = degrees <= MAX_SOUND_RESIDUAL_FRACTION * way.whole and degrees < 0.5 * sound
+        return abs(self._first_heading) > FULL_TURN and is_long and fits
 
     def _of_lengths(self) -> Iterator[Suspicion]:
-        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTHS) - 2), COMMON_ODDS])
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTH_UNITS) - 2), COMMON_ODDS])
         _, *units, reversed_ = probabilities(np.array(self._lengths.evidence), odds).tolist()
-        if sum(units) > KEEPS:
-            unit = list(LENGTHS)[1 + units.index(max(units))]
+        if sum(units) > RETAINED_PROBABILITY:
+            unit = list(LENGTH_UNITS)[1 + units.index(max(units))]
             words = f"positions are in {unit}, not m, beside their velocities"
-            yield Suspicion("unit", "pose", sum(units), 1.0 / LENGTHS[unit], words)
-        elif self._fast.rows >= LEAST_ROWS and self._fast.whole > self._fast.left[0]:
-            speed = math.sqrt(self._fast.whole / self._fast.left[0]) * FASTEST
+            yield Suspicion("unit", "pose", sum(units), 1.0 / LENGTH_UNITS[unit], words)
+        elif self._fast.rows >= MIN_EVIDENCE_ROWS and self._fast.whole > self._fast.left[0]:
+            speed = math.sqrt(self._fast.whole / self._fast.left[0]) * MAX_PLAUSIBLE_SPEED
             yield Suspicion("unit", "pose", 1.0, None, f"positions move at {speed:.0f} m/s: look at their unit")
-        if reversed_ > KEEPS:
+        if reversed_ > RETAINED_PROBABILITY:
             yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
 
     def _of_axle(self) -> Iterator[Suspicion]:
         axle = self._cart.rolling.axle_x
-        if axle is not None and (one := self._axle.suspicion(float(axle), KEEPS)) is not None:
+        if axle is not None and (one := self._axle.suspicion(float(axle), RETAINED_PROBABILITY)) is not None:
             yield one
 
     def _of_wrenches(self) -> Iterator[Suspicion]:
@@ -239,7 +250,7 @@ class SensorWatch:
         theirs, whatever the sizes; the sizes tell of the unit."""
         powers = Powers.of(self._products)
         guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
-        if self._rows < LEAST_ROWS or not guessed > 0 or not powers.given > 0:
+        if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
             return
         arms = self._arms[: len(self._products) - 2]
         shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
@@ -247,7 +258,7 @@ class SensorWatch:
             shares += [Powers.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
         odds = np.array([1.0, *[COMMON_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(np.array(Rivals(tuple(shares), 1.0, self._rows).evidence), odds).tolist()
-        if sum(wrong) > KEEPS:  # the likeliest stands for all
+        if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
             where = ("wrench", *arms)[wrong.index(max(wrong))]
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
             of_one = f"{where}: its wrench works against the cart while others push: its sign is reversed"
@@ -255,27 +266,27 @@ class SensorWatch:
             if where != "wrench":
                 return
         scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
-        sound, *units = probabilities(scales, np.array([1.0, *[SELDOM] * (len(FORCES) - 1)])).tolist()
+        sound, *units = probabilities(scales, np.array([1.0, *[FORCE_UNIT_ODDS] * (len(FORCE_UNITS) - 1)])).tolist()
         self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
         stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
-        if self._sure >= RUNNING or (stays and sound < 1.0 - KEEPS):
-            name = list(FORCES)[1 + units.index(max(units))]
+        if self._sure >= MIN_CONCLUSIONS_IN_A_ROW or (stays and sound < 1.0 - RETAINED_PROBABILITY):
+            name = list(FORCE_UNITS)[1 + units.index(max(units))]
             size = f"{abs(pull) / guessed:.2g} times what the first guess takes"
             words = f"wrenches are {size}: they seem to be in {name}, not N"
-            yield Suspicion("unit", "wrench", sum(units), FORCES[name], words)
+            yield Suspicion("unit", "wrench", sum(units), FORCE_UNITS[name], words)
 
     def _logs_of_units(self, powers: Powers, sign: float) -> list[float]:
         """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
         (moved, moved_by), (rubbed, rubbed_by) = powers.shares(sign, self._rows)
-        of_mass = self._spread**2 + LEAST_SPREAD**2
-        first, last = of_mass + UNSURE, of_mass + UNSURE
-        if moved > LEAST_SHARE:
-            first = of_mass + min((moved_by / moved), UNSURE) ** 2
-        if rubbed > LEAST_SHARE:
-            last = of_mass + FRICTION_SPREAD**2 + min(rubbed_by / rubbed, UNSURE) ** 2
+        of_mass = self._spread**2 + MIN_MASS_LOG_STD**2
+        first, last = of_mass + UNKNOWN_LOG_VARIANCE, of_mass + UNKNOWN_LOG_VARIANCE
+        if moved > MIN_POWER_RATIO:
+            first = of_mass + min((moved_by / moved), UNKNOWN_LOG_VARIANCE) ** 2
+        if rubbed > MIN_POWER_RATIO:
+            last = of_mass + FRICTION_LOG_STD**2 + min(rubbed_by / rubbed, UNKNOWN_LOG_VARIANCE) ** 2
         size, found = first * last - of_mass**2, []
-        for unit in FORCES.values():
-            x, y = (math.log(share * unit) if share > LEAST_SHARE else 0.0 for share in (moved, rubbed))
+        for unit in FORCE_UNITS.values():
+            x, y = (math.log(share * unit) if share > MIN_POWER_RATIO else 0.0 for share in (moved, rubbed))
             found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
         return found
 

@@ -11,23 +11,23 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-HEADINGS = (1.0, math.pi / 180, -1.0)
+HEADING_FACTORS = (1.0, math.pi / 180, -1.0)
 """What recorded headings are multiplied by: as they are, of degrees, of the other sense."""
-SPACED = 0.015
+MAX_NOISE_INTERVAL = 0.015
 """s between velocities, up to which second differences are noise: a loop at 50 Hz moves a cart between samples."""
-MEDIAN = 0.6745
+MEDIAN_PER_STD = 0.6745
 """The median magnitude of a standard normal number."""
-FEWEST = 8
+MIN_NOISE_VELOCITIES = 8
 """Velocities that tell their noise."""
-LARGEST = 1e9
+MAX_MEASURED_VALUE = 1e9
 """SI: beyond, nothing was measured."""
-TURN = 2.0 * math.pi
+FULL_TURN = 2.0 * math.pi
 
 
 class Block(NamedTuple):
-    """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADINGS (3,). The mean velocity (3,) in {s},
-    and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise of a sample's velocity,
-    linear and yaw, None where they can't be told."""
+    """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADING_FACTORS (3,). The mean velocity (3,)
+    in {s}, and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise of a sample's
+    velocity, linear and yaw, None where they can't be told."""
 
     time: float
     place: list[float]
@@ -39,7 +39,7 @@ class Block(NamedTuple):
 
 def wrapped(angle: float) -> float:
     """The angle (rad) wrapped to [-pi, pi)."""
-    return (angle + math.pi) % TURN - math.pi
+    return (angle + math.pi) % FULL_TURN - math.pi
 
 
 def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[float]] | None:
@@ -51,8 +51,8 @@ def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[f
     first, *turned = poses[:, 2].tolist()
     x, y, _ = poses.sum(axis=0).tolist()
     n, headings = len(times), []
-    for factor in HEADINGS:
-        off = sum([(factor * (one - first) + math.pi) % TURN for one in turned]) - math.pi * len(turned)
+    for factor in HEADING_FACTORS:
+        off = sum([(factor * (one - first) + math.pi) % FULL_TURN for one in turned]) - math.pi * len(turned)
         headings.append(factor * first + off / n)
     return sum(times) / n, [x / n, y / n], headings
 
@@ -64,10 +64,10 @@ def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, t
     if rows is None:
         return None, None
     noise = None
-    if len(rows) >= FEWEST and samples[-1].time - samples[0].time < SPACED * len(rows):
+    if len(rows) >= MIN_NOISE_VELOCITIES and samples[-1].time - samples[0].time < MAX_NOISE_INTERVAL * len(rows):
         jumps = np.abs(rows[2:] - 2.0 * rows[1:-1] + rows[:-2])
         jumps.sort(axis=0)
-        x, y, yaw = (jumps[len(jumps) // 2] / MEDIAN).tolist()
+        x, y, yaw = (jumps[len(jumps) // 2] / MEDIAN_PER_STD).tolist()
         noise = (x * x + y * y) / 12.0, yaw * yaw / 6.0
     return _mean(rows), noise
 
@@ -91,8 +91,8 @@ def wrenches_of(
 def _whole(rows: Sequence[Any]) -> Array | None:
     """The rows that are measurements (n, k), if any."""
     found = np.array(rows, dtype=float)
-    if len(found) and not np.abs(found).max() < LARGEST:
-        found = found[(np.abs(found) < LARGEST).all(axis=1)]
+    if len(found) and not np.abs(found).max() < MAX_MEASURED_VALUE:
+        found = found[(np.abs(found) < MAX_MEASURED_VALUE).all(axis=1)]
     return found if len(found) else None
 
 

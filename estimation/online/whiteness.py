@@ -14,13 +14,13 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-SPAN = 3.0
+INNOVATION_SPAN = 3.0
 """s, over which innovations are summed."""
-MEMORY = 10.0
+MAX_REMEMBERED_SPANS = 10.0
 """Spans that are remembered; half as many speak for the model before there is one."""
-COLOURED, SURE = 2.0, 5.0
+COLOURED_SQUARES_RATIO, COLOURED_SIGMAS = 2.0, 5.0
 """Times what white noise makes of squares of sums, and standard deviations of their mean, beyond which it is none."""
-SEEN = 1e-9
+MIN_EIGENVALUE_RATIO = 1e-9
 """Share of the largest eigenvalue below which information is rounding."""
 
 
@@ -33,7 +33,7 @@ class Whiteness:
     pull: Array | float = 0.0
     variance: Array | float = 0.0
     level: float = 1.0
-    spans: float = MEMORY / 2
+    spans: float = MAX_REMEMBERED_SPANS / 2
     dimension: int = 1
 
     def and_then(self, time: float, pull: Array, variance: Array) -> Whiteness:
@@ -41,7 +41,7 @@ class Whiteness:
         more = replace(self, pull=self.pull + pull, variance=self.variance + variance)
         if self.begun == -math.inf:
             return replace(more, begun=time)
-        return more if time - self.begun < SPAN else more._over(time)
+        return more if time - self.begun < INNOVATION_SPAN else more._over(time)
 
     def _over(self, time: float) -> Whiteness:
         """The mean square with a stretch that has ended."""
@@ -50,9 +50,9 @@ class Whiteness:
             return self.interrupted()
         scale = np.sqrt(np.maximum(np.diagonal(variance), 1e-300))
         known, axes = np.linalg.eigh(variance / np.outer(scale, scale))
-        seen = known > SEEN * known[-1]
+        seen = known > MIN_EIGENVALUE_RATIO * known[-1]
         square = float((((axes.T @ (pull / scale)) ** 2)[seen] / known[seen]).mean())
-        spans = min(self.spans + 1.0, MEMORY)
+        spans = min(self.spans + 1.0, MAX_REMEMBERED_SPANS)
         return Whiteness(time, 0.0, 0.0, self.level + (square - self.level) / spans, spans, int(seen.sum()))
 
     def interrupted(self) -> Whiteness:
@@ -66,4 +66,4 @@ class Whiteness:
 
     @property
     def is_coloured(self) -> bool:
-        return self.level > max(COLOURED, 1.0 + SURE * self.chance)
+        return self.level > max(COLOURED_SQUARES_RATIO, 1.0 + COLOURED_SIGMAS * self.chance)

@@ -23,13 +23,13 @@ from cartgrasp.motion import Measurement
 from cartgrasp.shallow_copy import shallow_copy
 from cartgrasp.wheels import GRAVITY
 
-from .kernels.felt_wrench import HELD, MOST_FORCE
+from .kernels.felt_wrench import MAX_WRENCH, WRENCH_HOLD_TIME
 
-UNUSED = slice(2, 5)
+UNUSED_COMPONENTS = slice(2, 5)
 """The unused components of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what
 does."""
 
-MOST_JUMP = 0.3
+MAX_WRENCH_JUMP_RATIO = 0.3
 """Largest jump of the wrenches (N and N·m) from sample to sample, as a share of the cart's weight."""
 
 
@@ -75,7 +75,7 @@ class WrenchSensing:
         self._grip: Grip | None = None
         self._last: dict[str, tuple[float, Array]] = {}  # by arm: when, and what it recorded
         self._accepted, self._doubted = list[float](), list[float]()  # wrenches (6 n,): the last, and one that jumped
-        self._farthest = MOST_JUMP * GRAVITY * cart.inertia.mass
+        self._farthest = MAX_WRENCH_JUMP_RATIO * GRAVITY * cart.inertia.mass
         self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
         self.corrects, self.feels_motion = bool(cart.sensor_effects), cart.feels_motion
         self.by_parameters = np.zeros((cart.constraints.n_free, len(cart.parameters)))
@@ -126,7 +126,7 @@ class WrenchSensing:
         numbers = grip.wrenches.tolist()
         if not math.isfinite(sum(numbers)):
             for place in grip.places.values():
-                place[UNUSED] = np.nan_to_num(place[UNUSED], posinf=0.0, neginf=0.0)
+                place[UNUSED_COMPONENTS] = np.nan_to_num(place[UNUSED_COMPONENTS], posinf=0.0, neginf=0.0)
             numbers = grip.wrenches.tolist()
         if self._has_jumped(numbers):
             return self._no_grip
@@ -141,7 +141,7 @@ class WrenchSensing:
         """With what other arms recorded last, where that was not long ago."""
         for arm, wrench in recorded.items():
             self._last[arm] = time, np.array(wrench, dtype=float)
-        return {arm: wrench for arm, (since, wrench) in self._last.items() if time - since <= HELD}
+        return {arm: wrench for arm, (since, wrench) in self._last.items() if time - since <= WRENCH_HOLD_TIME}
 
     def _has_jumped(self, recorded: list[float]) -> bool:
         """Further than a hand goes from one sample to the next. What the next sample confirms is no spike; where one is
@@ -164,7 +164,7 @@ class WrenchSensing:
         if n == 0:
             return None
         value = grip.matrix[:, :n] @ grip.wrenches
-        is_wrench = np.abs(value).sum() < MOST_FORCE
+        is_wrench = np.abs(value).sum() < MAX_WRENCH
         return SensedWrench(value, grip.matrix[:, n:], self.by_parameters) if is_wrench else None
 
     def _correct(self, grip: Grip, parameters: Array) -> None:

@@ -26,7 +26,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
-from ..standstill import LEVER, STILL_SPEED
+from ..standstill import HALF_TRACK, STANDSTILL_SPEED
 from .integrals import CHUNK, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
@@ -133,12 +133,12 @@ class Balances:
         """How fast the cart and its wheels go (n,), m/s."""
         velocity = self.motion.velocity
         turning = np.abs(velocity[:, -1]) if velocity.shape[1] > 1 else 0.0
-        return np.asarray(self.motion.speed + LEVER * turning)
+        return np.asarray(self.motion.speed + HALF_TRACK * turning)
 
     @property
     def still_speed(self) -> float:
         """Speed (m/s): a cart that seems to go slower may stand."""
-        return float(np.hypot(STILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
+        return float(np.hypot(STANDSTILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
 
     @cached_property
     def integrals(self) -> Integrals:

@@ -18,7 +18,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import MAD_TO_STD
-from ..standstill import LEVER
+from ..standstill import HALF_TRACK
 from .balances import Balances
 from .integrals import SUPPORT, THIN
 from .standing import FRICTION, G, standing, turning_back
@@ -166,7 +166,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     friction takes whatever value holds things; and what its forms may be wrong by at most everywhere, and where casters
     that swing round after a reversal turn the cart; those that are not listed drag nobody knows where."""
     free = cart.constraints.n_free
-    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
+    levers = np.array([1.0, 1.0, HALF_TRACK][:: 1 if free == 3 else 2][:free])
     speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
@@ -179,7 +179,7 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
             dry = _dry(cart)
             drags = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
             swung = ON_CASTERS * swinging[:, None] * drags
-        swung[:, -1] = np.hypot(swung[:, -1], weight * LEVER * swinging)
+        swung[:, -1] = np.hypot(swung[:, -1], weight * HALF_TRACK * swinging)
     forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + swung**2)
     dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)
     return standing(balances, cart), dry, forms

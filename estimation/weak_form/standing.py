@@ -7,7 +7,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from ..standstill import LEVER
+from ..standstill import HALF_TRACK
 from .balances import Balances
 from .motion import KNOT_STEPS
 
@@ -40,5 +40,5 @@ def turning_back(balances: Balances, cart: CartModel) -> Array:
     motion, free = balances.motion, cart.constraints.n_free
     unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()
     turning = np.exp(-((motion.velocity[:, 0] / np.maximum(unseen, LEAST_SPEED)) ** 2))
-    levers = np.array([1.0, 1.0, LEVER][:: 1 if free == 3 else 2][:free])
+    levers = np.array([1.0, 1.0, HALF_TRACK][:: 1 if free == 3 else 2][:free])
     return np.asarray(FRICTION * G * cart.inertia.mass * turning[:, None] * levers)

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from estimation.online.kernels.jit import OWN as ESTIMATION
+from estimation.online.kernels.jit import KERNELS_DIGEST as ESTIMATION
 from estimation.online.kernels.jit import compiled, row_compiled
 from planning import steering
 from planning.kernels.jit import DIGEST as PLANNING

@@ -10,7 +10,7 @@ import numpy as np
 
 from estimation.health import said
 from estimation.online.cart_filter import core_of
-from estimation.online.kernels.row_algebra import BLOCK, LAG, WIDTH
+from estimation.online.kernels.row_algebra import BLOCK_END_WIDTH, ROW_BLOCK_DURATION, SMOOTHING_LAG
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
 from planning.allocation.allocation_template import AllocationTemplate
@@ -159,7 +159,7 @@ class _Run:
 
     def _blocks(self, allocation: CompiledAllocation) -> Workspaces:
         s, tracker = self.scenario, self.core.learner.tracker
-        tracker.make_room(math.ceil((BLOCK + WIDTH + LAG) / s.period) + SPARE_MOMENTS)
+        tracker.make_room(math.ceil((ROW_BLOCK_DURATION + BLOCK_END_WIDTH + SMOOTHING_LAG) / s.period) + SPARE_MOMENTS)
         carts = s.truth.dynamics.floats, s.truth.dynamics.ints, s.guess.dynamics.floats, s.guess.dynamics.ints
         return Workspaces(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks)
 

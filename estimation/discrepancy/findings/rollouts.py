@@ -12,7 +12,7 @@ from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.integrate import runge_kutta_4
 
-from ...standstill import STILL_SPEED
+from ...standstill import STANDSTILL_SPEED
 from ...weak_form.balances import Balances
 from .driven import Driven
 
@@ -61,7 +61,7 @@ def starts(balances: Balances) -> np.ndarray:
         return np.zeros(0, dtype=int)
     unseen = np.append(0, np.cumsum(~seen))
     first = np.arange(0, len(seen) - last, max(round(EVERY / motion.step), 1))
-    stands = np.append(0, np.cumsum(balances.turning_speed < STILL_SPEED))
+    stands = np.append(0, np.cumsum(balances.turning_speed < STANDSTILL_SPEED))
     moves = stands[first + last] - stands[first] < MOST_STILL * last
     return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
 

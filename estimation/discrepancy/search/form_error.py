@@ -17,7 +17,7 @@ from cartgrasp.effects import Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 
-from ...standstill import LEVER
+from ...standstill import HALF_TRACK
 from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from ...weak_form.score import Score
@@ -101,7 +101,7 @@ def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: i
             found += [one[part, :, None] * modes[part, None], slope[part, :, None]]
             if turn:
                 beside = np.zeros((len(one[part]), one.shape[1], modes.shape[1]))
-                beside[:, turn] = LEVER * one[part, :1] * modes[part]
+                beside[:, turn] = HALF_TRACK * one[part, :1] * modes[part]
                 found.append(beside)
         return np.concatenate(found, axis=2)
 

@@ -8,7 +8,7 @@ from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.wheels import WheelSet
 
-from ...standstill import LEVER
+from ...standstill import HALF_TRACK
 from .candidates import amplitudes_of
 
 ODDS = {"rolling_resistance": 4.0}
@@ -63,7 +63,7 @@ def objection(effect: Effect, wheels: WheelSet) -> str:
     if effect.name in LEVERS:
         moment, force = (abs(values[f"{effect.name}.{name}"]) for name in LEVERS[effect.name])
         tracks = [abs(wheel.y) for wheel in wheels.wheels if wheel.y]
-        if moment > SPARE * max(tracks, default=LEVER) * force:
+        if moment > SPARE * max(tracks, default=HALF_TRACK) * force:
             return f"a moment of {moment:.2g} N·m is more than {force:.2g} N at a wheel make"
     return ""
 

@@ -15,7 +15,7 @@ from ..given import given
 from ..online_estimator import OnlineEstimator
 from .disturbed_learning import DisturbedLearning
 
-SLOWEST = 10.0
+MAX_RESPONSE_TIME = 10.0
 
 
 @final
@@ -58,7 +58,7 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
         response: float = 0.2,
     ) -> None:
         made_of = given(cart, arms, noise, prior, yaws)
-        self.response = positive("filter: response", response, SLOWEST, "give s")
+        self.response = positive("filter: response", response, MAX_RESPONSE_TIME, "give s")
         super().__init__(made_of, DisturbedLearning(made_of, self.response))
 
     def __repr__(self) -> str:

@@ -35,22 +35,22 @@ from ...health import Health
 from ..cart_filter import core_of
 from ..delayed_wrenches import InTime, delayed
 from ..given import Given
-from ..kernels.felt_wrench import HELD
-from ..kernels.sensor_health import TIME_OUT
+from ..kernels.felt_wrench import WRENCH_HOLD_TIME
+from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..measured_motion import usable
 from ..regressor.wrench_loudness import WrenchLoudness
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
-ACTS, STAYS = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
+DISTURBANCE_ONSET_CHI2, DISTURBANCE_END_CHI2 = (10.8, 13.8, 16.3), (3.8, 6.0, 7.8)
 """By dimension, of the normalised square: chi-squared with one, two and three components is beyond the first once in a
 thousand times, and beyond the second, below which a disturbance is over, once in twenty."""
-QUICKER = 0.6
+FEEDFORWARD_RESPONSE_RATIO = 0.6
 """Share of the response in which what is told, and fed forward, follows. It is noisier, which arms bear; what learns
 hears the slower one."""
-LASTS = 0.4
+MAX_ROW_DELAY = 0.4
 """s until the last row in which a sample counts is worked out."""
-PATIENCE = 10.0
+MAX_DISTURBANCE_DURATION = 10.0
 """s after which what pushes is the model's error, and what is no load by then is none."""
 
 
@@ -61,7 +61,7 @@ class DisturbedLearning:
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response, prior)
-        self._ahead = DisturbanceObserver(cart, noise, QUICKER * response, prior)
+        self._ahead = DisturbanceObserver(cart, noise, FEEDFORWARD_RESPONSE_RATIO * response, prior)
         unseen = self._observer.deviation * math.sqrt(response)
         self._careful = delayed(core_of(made_of, unseen=unseen), cart)
         self._quick = delayed(core_of(made_of), cart)
@@ -114,7 +114,7 @@ class DisturbedLearning:
         assert told is not None  # a sample has come
         if observed is None or disturbance is None:
             return told
-        health, is_silent = told.health, self.time - self._felt > TIME_OUT
+        health, is_silent = told.health, self.time - self._felt > SENSOR_TIMEOUT
         if health == Health.NO_WRENCH and math.isfinite(self._felt) and not is_silent:  # they are there, and wait
             health = Health.OUTLIERS if math.isfinite(self._kept_back) else Health.OK
         elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
@@ -130,7 +130,7 @@ class DisturbedLearning:
         """What pushes may be a load while one of the others tries that, or the quick one has found one that nobody else
         has: then it is as unsure what the parameters are as that one is, from what is told."""
         own, quick, widest = self._careful.learner, self._quick.learner, told.covariance
-        is_found = quick.loaded > max(own.loaded, self.time - PATIENCE)
+        is_found = quick.loaded > max(own.loaded, self.time - MAX_DISTURBANCE_DURATION)
         others = [(quick, is_found or (quick.is_trying and self._trying_since > own.loaded))]
         if self._open is not None:
             others.append((self._open.learner, self._open.learner.is_trying and self._opened > own.loaded))
@@ -145,8 +145,8 @@ class DisturbedLearning:
     # --- learning ---------------------------------------------------------------------------------------------
 
     def _learn(self, sample: Measurement) -> None:
-        self._careful.learner.note_disturbance(sample.time < self._until + LASTS)
-        is_patient = self._until - self._since < PATIENCE
+        self._careful.learner.note_disturbance(sample.time < self._until + MAX_ROW_DELAY)
+        is_patient = self._until - self._since < MAX_DISTURBANCE_DURATION
         if is_patient and sample.time <= self._until and sample.wrenches:
             if self._open is None:
                 self._open, self._opened = self._careful.copy(), sample.time
@@ -177,7 +177,7 @@ class DisturbedLearning:
         learner = other.learner
         if learner.loaded > self._opened:
             self._careful, self._open, self._until = other, None, -math.inf
-        elif learner.tried > self._opened or sample.time - self._kept_back > PATIENCE:
+        elif learner.tried > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
             self._open = None
 
     # --- observing --------------------------------------------------------------------------------------------
@@ -207,7 +207,7 @@ class DisturbedLearning:
             self._felt, self._is_total_known = measurement.time, True
             observed = [one if was_known else self._observer.forgotten(one) for one in observed]
             observed = [self._observer.pushed(one, sensed.value, sensed.covariance) for one in observed]
-        elif measurement.wrenches or measurement.time - self._felt > HELD:
+        elif measurement.wrenches or measurement.time - self._felt > WRENCH_HOLD_TIME:
             self._is_total_known = False
         self._observed = observed[0], observed[1]
         if self._disturbance is None or moves:
@@ -222,7 +222,7 @@ class DisturbedLearning:
         unknown = self._careful.learner.covariance
         squares, known = self._observer.squares(observed, memory, told.model_parameters, unknown)
         rolls, agreed, rigid = squares
-        begins, stays = ACTS[k - 1], STAYS[k - 1]
+        begins, stays = DISTURBANCE_ONSET_CHI2[k - 1], DISTURBANCE_END_CHI2[k - 1]
         self._is_sure = rolls > stays if self._is_sure else agreed > begins
         acts = self._is_total_known and (self._is_sure or rigid > (stays if was else begins))
         if acts:

@@ -27,18 +27,18 @@ from cartgrasp.motion import Disturbance, Motion
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ...prior import Prior
-from ..first_motion import LOST_AFTER, first_motion
+from ..first_motion import MAX_TRACKING_GAP, first_motion
 from ..kernels import observed_motion
 from ..kernels import observed_wrench as kernels
-from ..kernels.observed_wrench import MAX_STEP, Constants
+from ..kernels.observed_wrench import MAX_OBSERVER_STEP, Constants
 from ..load_change import load_covariance
 
-SETTLED = 2.93
+NORMALISED_SETTLING_TIME = 2.93
 """The value of w t from which on the answer to a step is within 5 % of it."""
-USUAL_PUSH = 40.0
+PUSH_FORCE_STD = 40.0
 """N: a standard deviation of what may set in at once; moments by the noise's lever."""
-LEAST_VELOCITY_NOISE = 5e-4
-USUAL_PERIOD = 0.01
+MIN_OBSERVER_VELOCITY_NOISE = 5e-4
+NOMINAL_SAMPLE_PERIOD = 0.01
 
 
 @dataclass(frozen=True, eq=False)
@@ -109,7 +109,7 @@ class DisturbanceObserver:
         gap = time - observed.time
         if not gap > 0.0:
             return observed
-        if gap > LOST_AFTER:
+        if gap > MAX_TRACKING_GAP:
             return replace(self.start(time, observed.belief.mean[:3]), given=observed.given)
         belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
         if self._in_kernels:
@@ -123,7 +123,7 @@ class DisturbanceObserver:
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
         """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
         belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
-        surprises = observed.surprised, min(observed.time - observed.calm, LOST_AFTER)
+        surprises = observed.surprised, min(observed.time - observed.calm, MAX_TRACKING_GAP)
         now = observed_motion.see(self._constants, belief, pose, velocity, surprises, self._room)
         if now < 0:
             return observed
@@ -156,7 +156,7 @@ class DisturbanceObserver:
     def deviation(self) -> float:
         """Standard deviation (N) of d along its first direction, in closed form, for samples every 10 ms and the first
         guess."""
-        root = math.sqrt(USUAL_PERIOD) * self._heard[0] * (SETTLED / self.response) ** 1.5
+        root = math.sqrt(NOMINAL_SAMPLE_PERIOD) * self._heard[0] * (NORMALISED_SETTLING_TIME / self.response) ** 1.5
         return float(2**0.25 * self._inertias[0] * root)
 
     # --- a step -----------------------------------------------------------------------------------------------
@@ -164,7 +164,7 @@ class DisturbanceObserver:
     def _go(self, observed: Observed, belief: tuple[Array, Array], gap: float, known: tuple[Array, Array]) -> None:
         """What `kernels.advance` does, of effects without kernels."""
         cart, k, (memory, theta) = self.cart, observed.k, known
-        count = math.ceil(gap / MAX_STEP - 1e-6)
+        count = math.ceil(gap / MAX_OBSERVER_STEP - 1e-6)
         for i in range(count):
             state, given = np.concatenate([belief[0][: 3 + k], memory]), observed.given + belief[0][3 + k :]
             rate = cart.rate(state, self._constants.lift @ given, theta, observed.time + i * gap / count)
@@ -189,7 +189,7 @@ class DisturbanceObserver:
             project=np.ascontiguousarray(self._to_free),
             pose=np.array(noise.pose_covariance),
             velocity=np.array(noise.velocity_covariance),
-            walk=self._inertias * (SETTLED / self.response) ** 2 * self._heard,
+            walk=self._inertias * (NORMALISED_SETTLING_TIME / self.response) ** 2 * self._heard,
             usual=self._usual,
             inertias=self._inertias,
             disturbance=(np.array([1.0, 1.0, noise.lever]) * noise.disturbance) ** 2,
@@ -201,7 +201,7 @@ class DisturbanceObserver:
     @cached_property
     def _usual(self) -> Array:
         """Variances (k,) of what may set in."""
-        return np.asarray((USUAL_PUSH * self.noise.wrench_scale(self.cart)) ** 2)
+        return np.asarray((PUSH_FORCE_STD * self.noise.wrench_scale(self.cart)) ** 2)
 
     @cached_property
     def _inertias(self) -> Array:
@@ -213,7 +213,7 @@ class DisturbanceObserver:
     def _heard(self) -> Array:
         """Standard deviations (k,) of measured velocities."""
         variances = np.diagonal(self._to_free @ self.noise.velocity_covariance @ self._to_free.T)
-        return np.maximum(np.sqrt(variances), LEAST_VELOCITY_NOISE)
+        return np.maximum(np.sqrt(variances), MIN_OBSERVER_VELOCITY_NOISE)
 
     @cached_property
     def _to_free(self) -> Array:

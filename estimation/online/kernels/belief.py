@@ -13,20 +13,20 @@ from .correction import factorise, put
 from .jit import Indices, row_compiled, row_entry
 from .matrices import congruence, inverse, product, solved, times, turned, without
 from .row_algebra import FilteredRow
-from .row_parts import RATE
+from .row_parts import FILTER_RATE
 from .slope_noise import SlopeNoise, after_row, in_score, rid, told_by
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
-Surprised = tuple[float, Array, Array, Array, Array, Array, Array, tuple[Array, Array, Array]]
+RowInnovation = tuple[float, Array, Array, Array, Array, Array, Array, tuple[Array, Array, Array]]
 """A row's normalised square, and what it says of a change: information's product (k - 1,), information, and how much of
 that is noise in slopes; what was not foretold, its covariance, and that if parameters were known; and these three with
 noise in slopes as it is, and noise of the motion as the belief's own masses make it."""
-Limits = tuple[float, float, float]
+UpdateLimits = tuple[float, float, float]
 """The share kept of what is known, and the squares by component beyond which a row pulls less, and is none."""
-ROUNDING = 1e-11
+COVARIANCE_ROUNDING = 1e-11
 """Share of a covariance that is rounding."""
-LEAST_SHARE = 1e-9
+MIN_SHARED_NOISE_RATIO = 1e-9
 """Share of a row's noise that is taken as shared where nothing is."""
 
 
@@ -52,8 +52,8 @@ def concluded(
 
 @row_entry
 def absorbed(
-    known: tuple[Belief, SlopeNoise], row: FilteredRow, at: Array, free: Indices, limits: Limits
-) -> tuple[tuple[Belief, SlopeNoise], Surprised]:
+    known: tuple[Belief, SlopeNoise], row: FilteredRow, at: Array, free: Indices, limits: UpdateLimits
+) -> tuple[tuple[Belief, SlopeNoise], RowInnovation]:
     """The belief after a row around parameters (p,), whose link is handed on, and its innovation. A row that is no
     measurement teaches nothing."""
     belief, in_slopes = known
@@ -81,8 +81,8 @@ def absorbed(
     own = alone + congruence(after, linking)
     link = solved(information[k:, k:], np.eye(2 * n))
     spreads = own + congruence(before[:, k:].copy(), link), own + congruence(before, covariance)
-    motion = RATE**2 * (row.after + row.fade**2 * link[:n, :n])
-    foreseen = RATE * row.fade * mean[k : k + n].copy()
+    motion = FILTER_RATE**2 * (row.after + row.fade**2 * link[:n, :n])
+    foreseen = FILTER_RATE * row.fade * mean[k : k + n].copy()
     raw = value - times(before, mean)
     found = rid(row, free, (motion, foreseen), spreads, raw)
     more_noise = _by_own_masses(row, free, motion, mean[: k - 1] - _of_free(at, free))
@@ -127,7 +127,7 @@ def absorbed(
 def _by_own_masses(row: FilteredRow, free: Indices, motion: Array, change: Array) -> Array:
     """How much more noise (n, n) a row has, of which B[nu'] has the covariance `motion` (n, n), with the free
     parameters changed by so much."""
-    masses, own = row.ends / -RATE, row.ends / -RATE
+    masses, own = row.ends / -FILTER_RATE, row.ends / -FILTER_RATE
     for q in range(len(free)):
         own += change[q] * row.by_rise[:, :, free[q]]
     return congruence(own, motion) - congruence(masses, motion)
@@ -152,7 +152,7 @@ def evidence(since: tuple[Array, Array, Array], root: Array) -> float:
         asked, noise = congruence(turned(root), information[i]), congruence(turned(root), by_noise[i])
         varies, moves = asked + noise, asked - noise
         score = times(turned(root), scores[i])
-        least = ROUNDING * np.trace(varies)
+        least = COVARIANCE_ROUNDING * np.trace(varies)
         for a in range(len(score)):
             varies[a, a] += least
         best = max(best, _log_density(score, varies + product(moves, moves)) - _log_density(score, varies))
@@ -178,7 +178,7 @@ def _linking(noise: Array, shared: Array, error: Array) -> Array:
     n = len(error)
     covariance = np.zeros((2 * n, 2 * n))
     put(error, covariance[:n, :n])
-    put(shared + LEAST_SHARE * noise, covariance[n:, n:])
+    put(shared + MIN_SHARED_NOISE_RATIO * noise, covariance[n:, n:])
     return covariance
 
 

@@ -12,12 +12,12 @@ from cartgrasp.kernels.workspace import copy
 from .free_directions import to_free
 from .jit import compiled
 
-GATE = 25.0
+INNOVATION_GATE = 25.0
 """Gate on the normalised square by component. A sample beyond it counts as if its noise were larger; outliers pull, but
 can't tear."""
-FLOOR = 1e-10
+MIN_ROW_VARIANCE = 1e-10
 """Variance that every row has at least."""
-UNSEEN = 1e12
+MISSING_VARIANCE = 1e12
 """Variance of a number that is missing."""
 
 
@@ -50,11 +50,11 @@ def correct(b: Believed, where: tuple[int, int], residual: Array, R: Array, room
     for again in range(2):
         for a in range(m):
             for c in range(m):
-                S[a, c] = K[first + a, c] + scale * (R[a, c] + (FLOOR if a == c else 0.0))
+                S[a, c] = K[first + a, c] + scale * (R[a, c] + (MIN_ROW_VARIANCE if a == c else 0.0))
         factorise(S, m)
         if again == 0:
             nis = _whitened(S, residual, room, m)
-            scale = nis / (GATE * m)
+            scale = nis / (INNOVATION_GATE * m)
             if not scale > 1.0:
                 scale = 1.0
                 break
@@ -73,7 +73,7 @@ def correct(b: Believed, where: tuple[int, int], residual: Array, R: Array, room
         for a in range(m):
             value = -left[i, first + a]
             for c in range(m):
-                value += K[i, c] * scale * (R[c, a] + (FLOOR if a == c else 0.0))
+                value += K[i, c] * scale * (R[c, a] + (MIN_ROW_VARIANCE if a == c else 0.0))
             noisy[i, a] = value
     for i in range(n):
         for j in range(i + 1):
@@ -117,7 +117,7 @@ def factorise(S: Array, m: int) -> None:
             value = S[a, b]
             for c in range(b):
                 value -= S[a, c] * S[b, c]
-            S[a, b] = math.sqrt(max(value, FLOOR)) if a == b else value / S[b, b]
+            S[a, b] = math.sqrt(max(value, MIN_ROW_VARIANCE)) if a == b else value / S[b, b]
 
 
 @compiled
@@ -212,7 +212,7 @@ def normalised_square(residual: Array, covariance: Array, room: Array) -> float:
     factor, room = carved(room, m, m)
     for a in range(m):
         copy(covariance[a], factor[a])
-        factor[a, a] += FLOOR
+        factor[a, a] += MIN_ROW_VARIANCE
     factorise(factor, m)
     return _whitened(factor, residual, room, m)
 
@@ -224,7 +224,7 @@ def take_pose(b: Believed, pose: Array, variance: Array, room: Array) -> float:
     R[:] = 0.0
     seen = 0
     for i in range(3):
-        residual[i], R[i, i] = 0.0, UNSEEN
+        residual[i], R[i, i] = 0.0, MISSING_VARIANCE
         if math.isfinite(pose[i]):
             seen += 1
             off = pose[i] - b.mean[i]

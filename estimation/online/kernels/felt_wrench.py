@@ -16,13 +16,13 @@ from cartgrasp.kernels.workspace import copy
 from .correction import carved, eliminate, normalised_square
 from .jit import compiled
 
-HELD = 0.1
+WRENCH_HOLD_TIME = 0.1
 """s: for how long a wrench is taken to go on."""
-MOST_FORCE = 1e6
+MAX_WRENCH = 1e6
 """N, N·m: more in all is no wrench, nor is NaN."""
-JUMP = 14.0
+WRENCH_STEP_GATE = 14.0
 """Normalised square of a step of the wrench that is no noise."""
-MOST_JOLT = 100.0
+MAX_JOLT_ACCELERATION = 100.0
 """m/s² or rad/s²: what such a step may change."""
 
 
@@ -47,7 +47,7 @@ def hold(rows: Array, i: int, time: float, size: int, f: int) -> None:
     rows[i, 0] = time
     copy(rows[i - 1, 1 : 1 + size], rows[i, 1 : 1 + size])
     rows[i, 1 + size - f : 1 + size] = 0.0
-    if not time - rows[i, 1] < HELD:
+    if not time - rows[i, 1] < WRENCH_HOLD_TIME:
         rows[i, 1] = math.nan
 
 
@@ -62,7 +62,7 @@ def feel(rows: Array, i: int, time: float, felt: Felt, room: Array) -> bool:
         for j in range(n):
             value[a] += grip[a, j] * felt.wrenches[j]
         total += abs(value[a])
-    if not total < MOST_FORCE:
+    if not total < MAX_WRENCH:
         return False
     row, taught = rows[i, 1:], len(believed) - f * f
     if i > 0 and not math.isnan(rows[i - 1, 1]):
@@ -72,12 +72,12 @@ def feel(rows: Array, i: int, time: float, felt: Felt, room: Array) -> bool:
             step[a], jolt[a] = value[a] - before[1 + a], 0.0
             for b in range(f):
                 spread[a, b] = grip[a, n + b] + before[1 + f + f * a + b]
-        if not normalised_square(step, spread, room) < JUMP:
+        if not normalised_square(step, spread, room) < WRENCH_STEP_GATE:
             mass, _ = carved(room, f, f)
             copy(believed[taught:], room[: f * f])
             eliminate(mass, step.reshape((f, 1)))
             for a in range(f):
-                jolt[a] = min(max(step[a], -MOST_JOLT), MOST_JOLT)
+                jolt[a] = min(max(step[a], -MAX_JOLT_ACCELERATION), MAX_JOLT_ACCELERATION)
     row[0] = time
     copy(value, row[1 : 1 + f])
     for a in range(f):

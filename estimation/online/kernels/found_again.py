@@ -20,15 +20,15 @@ from .correction import carved, wrapped
 from .free_directions import to_free
 from .jit import compiled
 from .schmidt_block import Considered
-from .sensor_health import OUTLYING_SHARE
+from .sensor_health import MAX_OUTLIER_FRACTION
 
-FEWEST, LASTING, PAUSE = 4, 0.1, 0.5
+MIN_RUN_POSES, MIN_RUN_DURATION, MAX_RUN_GAP = 4, 0.1, 0.5
 """Poses, s that they last at least, and s between two at most."""
-QUICKEST, DRIFTS = 3.0, 0.1
+MAX_RELOCALISATION_SPEED, MAX_DRIFT_SPEED = 3.0, 0.1
 """m/s or rad/s: of a cart, and of what velocities that are as believed may leave."""
-SURE = 6.0
+POSE_AGREEMENT_SIGMAS = 6.0
 """Deviations of a pose."""
-UNSURE = 0.3
+RESTART_VELOCITY_STD = 0.3
 """m/s or rad/s: deviation of the velocity with which the motion begins anew."""
 
 
@@ -45,19 +45,23 @@ def is_found(d: Considered, time: float, pose: Array, gate: float) -> bool:
     if run[0] > 0.0 and pose[0] == last[0] and pose[1] == last[1] and pose[2] == last[2]:
         return False
     apart = time - run[2]
-    if run[0] == 0.0 or not apart < PAUSE or not _near(d, pose, (last[0], last[1], last[2]), QUICKEST * apart):
+    if (
+        run[0] == 0.0
+        or not apart < MAX_RUN_GAP
+        or not _near(d, pose, (last[0], last[1], last[2]), MAX_RELOCALISATION_SPEED * apart)
+    ):
         run[0], run[1] = 0.0, time
         copy(pose, first)
         for i in range(3):
             off[i] = pose[i] - d.mean[i]
     run[0], run[2] = run[0] + 1.0, time
     copy(pose, last)
-    if run[0] < FEWEST or time - run[1] < LASTING:
+    if run[0] < MIN_RUN_POSES or time - run[1] < MIN_RUN_DURATION:
         return False
     velocity = d.health[1]
-    moves_as_believed = time - velocity[0] < PAUSE and velocity[1] <= 1.0 and velocity[2] < OUTLYING_SHARE
+    moves_as_believed = time - velocity[0] < MAX_RUN_GAP and velocity[1] <= 1.0 and velocity[2] < MAX_OUTLIER_FRACTION
     as_off = (d.mean[0] + off[0], d.mean[1] + off[1], d.mean[2] + off[2])
-    return not moves_as_believed or _near(d, pose, as_off, DRIFTS * (time - run[1]))
+    return not moves_as_believed or _near(d, pose, as_off, MAX_DRIFT_SPEED * (time - run[1]))
 
 
 @compiled
@@ -74,7 +78,7 @@ def begin_anew(d: Considered) -> None:
         if i < 3:
             d.mean[i] = last[i]
         d.own[i, :], d.own[:, i], d.slopes[i, :] = 0.0, 0.0, 0.0
-        d.own[i, i] = d.variances[i] if i < 3 else UNSURE**2
+        d.own[i, i] = d.variances[i] if i < 3 else RESTART_VELOCITY_STD**2
     run[0] = 0.0
 
 
@@ -83,5 +87,5 @@ def _near(d: Considered, pose: Array, other: tuple[float, float, float], most: f
     """Whether a pose is another to within so many m or rad, and the noise of both."""
     off, is_near = (pose[0] - other[0], pose[1] - other[1], wrapped(pose[2] - other[2])), True
     for i in range(3):
-        is_near &= abs(off[i]) < most + SURE * math.sqrt(2.0 * d.variances[i])
+        is_near &= abs(off[i]) < most + POSE_AGREEMENT_SIGMAS * math.sqrt(2.0 * d.variances[i])
     return is_near

@@ -11,11 +11,11 @@ from cartgrasp.compiling import JIT_OPTIONS, F, cached_as, digest_of, inner
 from cartgrasp.kernels.jit import DIGEST
 
 Indices = NDArray[np.int64]
-OWN = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
-entry = cached_as(OWN, JIT_OPTIONS)
+KERNELS_DIGEST = f"{digest_of(Path(__file__).parent)}_{DIGEST}"
+entry = cached_as(KERNELS_DIGEST, JIT_OPTIONS)
 """Entries hold code of the cart's kernels, too."""
 WITH_ARRAYS = JIT_OPTIONS | {"_nrt": True}
-row_entry = cached_as(OWN, WITH_ARRAYS)
+row_entry = cached_as(KERNELS_DIGEST, WITH_ARRAYS)
 """Compiles what is called ten times a second, and may make arrays."""
 
 

@@ -11,13 +11,13 @@ from cartgrasp.kernels.workspace import copy
 from .correction import add_congruence, carved, eliminate, normalised_square, put, wrapped
 from .free_directions import to_free
 from .jit import compiled, entry
-from .observed_wrench import MAX_STEP, Constants
+from .observed_wrench import MAX_OBSERVER_STEP, Constants
 
-SURPRISING = 20.5
+SURPRISE_CHI2 = 20.5
 """Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
 in a thousand times."""
-FARTHEST = 1e9
-MOST_DOUBLED = 5
+MAX_POSE = 1e9
+MAX_PUSH_DOUBLINGS = 5
 """Times at most that the push which may have set in is taken to be twice as strong."""
 
 
@@ -40,16 +40,16 @@ def see(
         return -1
     opened, room = carved(room, n, n)
     square = _square(covariance, (rows[:m], residual[:m], R), room)
-    surprised = surprised + 1 if square > SURPRISING else 0
+    surprised = surprised + 1 if square > SURPRISE_CHI2 else 0
     if surprised > 1:
         put(covariance, opened)
-        stronger = 2.0 ** min(surprised - 2, MOST_DOUBLED)
-        _open(c, (mean[3 + k :], stronger), max(surprised * MAX_STEP, since), opened)
-        if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISING:
+        stronger = 2.0 ** min(surprised - 2, MAX_PUSH_DOUBLINGS)
+        _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, since), opened)
+        if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISE_CHI2:
             put(opened, covariance)
             surprised, square = 1, 0.0
-    if square > SURPRISING:
-        _widen(covariance, rows[:m], square / SURPRISING, R)
+    if square > SURPRISE_CHI2:
+        _widen(covariance, rows[:m], square / SURPRISE_CHI2, R)
     _update(mean, covariance, (rows[:m], residual[:m], R), room)
     return surprised
 
@@ -92,7 +92,7 @@ def _measured(
     for i in range(3):
         off = pose[i] - mean[i]
         off = wrapped(off) if i == 2 and math.isfinite(off) else off
-        if abs(pose[i]) < FARTHEST and abs(off) < FARTHEST:
+        if abs(pose[i]) < MAX_POSE and abs(off) < MAX_POSE:
             residual[m], rows[m] = off, i
             m += 1
     n_pose = m
@@ -102,7 +102,7 @@ def _measured(
         off = -mean[3 + a]
         for j in range(3):
             off += turned[a, j] * velocity[j]
-        if abs(off) < FARTHEST:
+        if abs(off) < MAX_POSE:
             residual[m], rows[m] = off, 3 + a
             m += 1
     for p in range(m):

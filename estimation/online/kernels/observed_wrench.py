@@ -16,8 +16,8 @@ from .correction import add_congruence, carved, normalised_square, put
 from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
 
-MAX_STEP = 0.02
-ROLLS, AGREED, WHOLE = 0, 1, 2
+MAX_OBSERVER_STEP = 0.02
+ROLLING_ROW, AGREED_ROW, WHOLE_ROW = 0, 1, 2
 """nu' of a cart that rolls on; what wrenches alone would make and is there; and what there is."""
 
 
@@ -65,7 +65,7 @@ def advance(
     given, reduced, rest = rest[:3], rest[3 : 3 + k], rest[3 + k :]
     copy(memory, state[3 + k :])
     begin, end = span
-    count = math.ceil((end - begin) / MAX_STEP - 1e-6)
+    count = math.ceil((end - begin) / MAX_OBSERVER_STEP - 1e-6)
     for i in range(count):
         step = (end - begin) / count
         copy(mean[: 3 + k], state[: 3 + k])
@@ -199,11 +199,11 @@ def squares(
     out: tuple[Array, Array],
     room: Array,
 ) -> tuple[float, float, float]:
-    """Normalised squares of d: how little a usual load of a cart that rolls on explains it (`ROLLS`), one that makes
-    what wrenches alone would make and is there (`AGREED`), and the same of a cart without effects. Into `found` (k, k)
-    the covariance of d for what there is. `known` are parameters (p,), what is not known of them (p, p) or nothing,
-    what effects remember (m,), what effects without a kernel add, and the time. `out`: rates (2, k), what nu' wrenches
-    alone make, and with d, or NaN to be found here; and `found`."""
+    """Normalised squares of d: how little a usual load of a cart that rolls on explains it (`ROLLING_ROW`), one that
+    makes what wrenches alone would make and is there (`AGREED_ROW`), and the same of a cart without effects. Into
+    `found` (k, k) the covariance of d for what there is. `known` are parameters (p,), what is not known of them (p, p)
+    or nothing, what effects remember (m,), what effects without a kernel add, and the time. `out`: rates (2, k), what
+    nu' wrenches alone make, and with d, or NaN to be found here; and `found`."""
     (mean, covariance), (theta, unknown, memory, foreign, time), (rates, found) = belief, known, out
     (cart, flow), k = unpack_cart(floats, ints), len(c.walk)
     n_states = 3 + k + len(memory)
@@ -229,14 +229,14 @@ def squares(
         for j in range(4):
             load[i, j] = c.load[i, j] * theta[0] ** 2
     rolls = agreed = rigid = 0.0
-    for which in (ROLLS, AGREED, WHOLE):
+    for which in (ROLLING_ROW, AGREED_ROW, WHOLE_ROW):
         inverse_by_parameters(cart, point, accelerations[which], (wrench, mass, by))
         put(told, found)
         if len(unknown) > 0:
             add_congruence(by, unknown, found, room)
-        if which == ROLLS:
+        if which == ROLLING_ROW:
             rolls = _square_beside_load(d, found, by[:, :4], load, room)
-        elif which == AGREED:
+        elif which == AGREED_ROW:
             agreed = _square_beside_load(d, found, by[:, :4], load, room)
             _by_phi(cart.basis, state[3 : 3 + k], accelerations[which], by)
             rigid = _square_beside_load(d, found, by[:, :4], load, room)
@@ -249,8 +249,8 @@ def _explained(rates: Array, accelerations: Array) -> None:
     for a in range(rates.shape[1]):
         alone, whole = rates[0, a], rates[1, a]
         least = alone if abs(alone) < abs(whole) else whole
-        accelerations[ROLLS, a], accelerations[WHOLE, a] = 0.0, whole
-        accelerations[AGREED, a] = least if alone * whole > 0.0 else 0.0
+        accelerations[ROLLING_ROW, a], accelerations[WHOLE_ROW, a] = 0.0, whole
+        accelerations[AGREED_ROW, a] = least if alone * whole > 0.0 else 0.0
 
 
 @compiled

@@ -10,9 +10,9 @@ from .felt_wrench import Felt, feel, hold, size
 from .jit import compiled, entry
 from .tracked_motion import follow, known_of, take
 
-LATER, FELT, DUE = 1, 2, 4
+NEW_MOMENT, WRENCH_USED, ROW_DUE = 1, 2, 4
 """Said of a sample, as a sum: it begins another moment; its wrench counts; a row of the regression may be due."""
-SAME = 1e-9
+TIME_TOLERANCE = 1e-9
 """s."""
 
 _known_of, _size, _over = compiled(known_of), compiled(size), compiled(row_algebra.over)
@@ -25,14 +25,14 @@ def record(
     """A sample at the last of n moments, or later: a pose and a velocity `seen` (6,), NaN where missing, and what is
     `Felt`, if wrenches are."""
     f, felt, said = len(grip), Felt(wrenches, grip, believed), 0
-    if time - rows[n - 1, 0] > SAME:
+    if time - rows[n - 1, 0] > TIME_TOLERANCE:
         go_on(rows, known, n, time, felt)
-        n, said = n + 1, LATER
+        n, said = n + 1, NEW_MOMENT
     take(rows, n - 1, known, seen, f)
     if len(wrenches) > 0 and feel(rows, n - 1, time, felt, _known_of(known, f).room):
-        said += FELT
+        said += WRENCH_USED
     if _over(rows[:n])[0] > 0:
-        said += DUE
+        said += ROW_DUE
     return said
 
 

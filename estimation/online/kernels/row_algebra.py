@@ -14,10 +14,10 @@ from cartgrasp.kernels.workspace import copy, unpack
 from .correction import put
 from .jit import Indices, compiled, row_compiled, row_entry
 from .row_parts import (
-    RATE,
-    SPACING,
-    STANDS_OUT,
-    USUALLY_LATE,
+    FILTER_RATE,
+    NOMINAL_DELAY_PERIODS,
+    ROW_PERIOD,
+    SIGNIFICANCE_SIGMAS,
     add_lateness,
     add_measured,
     add_other_memory,
@@ -30,7 +30,7 @@ from .row_parts import (
     with_rise,
 )
 
-BLOCK, WIDTH, LAG = SPACING, 0.1, 0.12
+ROW_BLOCK_DURATION, BLOCK_END_WIDTH, SMOOTHING_LAG = ROW_PERIOD, 0.1, 0.12
 """s: how long a block is, over how long its ends are means, and how much later its row is worked out, when they are
 smoothed."""
 
@@ -135,29 +135,29 @@ class FilteredRow(NamedTuple):
 
 
 def over(rows: Array) -> tuple[int, int]:
-    """The number of moments before the next block, and the number in the first block and those that begin up to WIDTH
-    later. The first block is alone where no moment comes so soon after it. Both are 0 where the blocks have not been
-    over for the LAG."""
+    """The number of moments before the next block, and the number in the first block and those that begin up to
+    BLOCK_END_WIDTH later. The first block is alone where no moment comes so soon after it. Both are 0 where the blocks
+    have not been over for the SMOOTHING_LAG."""
     n, k = len(rows), 0
     first, last = rows[0, 0], rows[n - 1, 0]
-    if last - first < BLOCK + LAG - 1e-6:
+    if last - first < ROW_BLOCK_DURATION + SMOOTHING_LAG - 1e-6:
         return 0, 0
     end = n
     while k < end:
         middle = (k + end) // 2
-        if rows[middle, 0] < first + BLOCK - 1e-6:
+        if rows[middle, 0] < first + ROW_BLOCK_DURATION - 1e-6:
             k = middle + 1
         else:
             end = middle
     low, end = k, n
     while low < end:
         middle = (low + end) // 2
-        if rows[middle, 0] < first + BLOCK + WIDTH - 1e-6:
+        if rows[middle, 0] < first + ROW_BLOCK_DURATION + BLOCK_END_WIDTH - 1e-6:
             low = middle + 1
         else:
             end = middle
     end = max(end, k + 1)
-    if last - rows[min(end, n) - 1, 0] < LAG - 1e-6:
+    if last - rows[min(end, n) - 1, 0] < SMOOTHING_LAG - 1e-6:
         return 0, 0
     return k, end
 
@@ -169,14 +169,14 @@ def weights(time: Array, width: int) -> Weights:
     linear, held, of_motion = np.zeros(n + width), np.empty(n + width - 1), np.zeros((3, n + width))
     sums, fade = np.zeros(width + 1), 0.0
     for j in range(width):
-        sums[j + 1] = sums[j] + math.exp(-RATE * (time[n + j] - last))
-        fade += math.exp(-RATE * (time[n + j] - time[j])) / width
+        sums[j + 1] = sums[j] + math.exp(-FILTER_RATE * (time[n + j] - last))
+        fade += math.exp(-FILTER_RATE * (time[n + j] - time[j])) / width
         of_motion[0, j] = of_motion[1, n + j] = 1.0 / width
     of_white = both = own = 0.0
     for i in range(n + width - 1):
         h, share = time[i + 1] - time[i], (sums[min(i + 1, width)] - sums[max(i - n + 1, 0)]) / width
-        gain, left = -math.expm1(-RATE * h), share * math.exp(RATE * (time[i + 1] - last))
-        second = 1.0 - gain / (RATE * h)
+        gain, left = -math.expm1(-FILTER_RATE * h), share * math.exp(FILTER_RATE * (time[i + 1] - last))
+        second = 1.0 - gain / (FILTER_RATE * h)
         linear[i] += left * (gain - second)
         linear[i + 1] += left * second
         held[i] = left * gain
@@ -201,7 +201,7 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
     of_rise, whole = weighing.of_motion[2], np.zeros(f)
     for a in range(f):
         for i in range(n):
-            whole[a] += RATE * of_rise[i] * block.velocity[i, a]
+            whole[a] += FILTER_RATE * of_rise[i] * block.velocity[i, a]
     k, q, middle = block.memory.shape[1], spread.shape[1], n // 2
     others = 2 * n + f + 2 + q
     m = others + 2 * k * n
@@ -216,7 +216,7 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
         time[i] = block.time[at]
         if n <= i < 2 * n:
             for a in range(f):
-                state[i, 3 + a] = part_beyond(block.velocity[at, a], block.covariance[at, a, a], STANDS_OUT)
+                state[i, 3 + a] = part_beyond(block.velocity[at, a], block.covariance[at, a, a], SIGNIFICANCE_SIGMAS)
     for a in range(f):
         acceleration[2 * n + 1 + a, a] = 1.0
     for j in range(q + 1):
@@ -266,11 +266,11 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
     )
     residual -= left_on_average
     slopes = with_rise(slopes, by_acceleration, rise)
-    known = ahead - USUALLY_LATE * (block.time[n - 1] - block.time[0]) / (n - 1)
+    known = ahead - NOMINAL_DELAY_PERIODS * (block.time[n - 1] - block.time[0]) / (n - 1)
     of_lateness = add_lateness((weighing.of_motion[2], weighing.held), known, wrenches, (residual, slopes))
     quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
-    link = -RATE * mass, weighing.fade, noise, before, after, shared
+    link = -FILTER_RATE * mass, weighing.fade, noise, before, after, shared
     return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_lateness)
 
 

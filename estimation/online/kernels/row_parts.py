@@ -12,19 +12,19 @@ from cartgrasp.kernels.workspace import N_PHI
 from .correction import put
 from .jit import Indices, row_compiled, row_entry
 
-RATE = 2.0
+FILTER_RATE = 2.0
 """1/s, of the filter."""
-USUALLY_LATE = 0.25
+NOMINAL_DELAY_PERIODS = 0.25
 """How late a wrench is, in sample periods: one that is held to the next is not, a mere sample is half of one."""
-SPACING = 0.1
+ROW_PERIOD = 0.1
 """s from row to row."""
-STILL = 3.0
+STANDSTILL_SIGMAS = 3.0
 """Standard deviations of nu within which a cart may stand still, or be as fast as asked."""
-FLOOR_SHARE = 0.002
+MODEL_ERROR_RATIO = 0.002
 """Standard deviation of what a model leaves out, as a share of the wrench."""
-STANDS_OUT = 2.0
+SIGNIFICANCE_SIGMAS = 2.0
 """Standard deviations that teach nothing: of nu, and of what noise in slopes adds to the information."""
-PERSISTS = 4.0
+MEMORY_ERROR_ROWS = 4.0
 """Rows over which a memory that is off stays so: what it does counts in each as if it were new, so many times."""
 
 
@@ -40,7 +40,7 @@ def slowest(velocity: Array, covariance: Array) -> Array:
     slow = np.empty((n, f))
     for i in range(n):
         for a in range(f):
-            left = max(abs(velocity[i, a]) - STILL * math.sqrt(covariance[i, a, a]), 0.0)
+            left = max(abs(velocity[i, a]) - STANDSTILL_SIGMAS * math.sqrt(covariance[i, a, a]), 0.0)
             slow[i, a] = math.copysign(left, velocity[i, a]) if left > 0.0 else 0.0
     return slow
 
@@ -101,7 +101,7 @@ def add_lateness(weights: tuple[Array, Array], known: float, wrenches: Array, fo
     (of_motion, held), (residual, slopes), n, f = weights, found, len(wrenches), len(found[0])
     last, by, of_residual, noise = slopes.shape[1] - 1, np.empty(n), np.empty(n), np.empty((2, f, f))
     for i in range(n):
-        by[i] = -RATE * (of_motion[i] + (of_motion[n] if i + 1 == n else 0.0))
+        by[i] = -FILTER_RATE * (of_motion[i] + (of_motion[n] if i + 1 == n else 0.0))
         of_residual[i] = held[i] + known * by[i]
         for a in range(f):
             slopes[a, last] += by[i] * wrenches[i, 1 + a]
@@ -130,7 +130,7 @@ def add_stuck(linear: Array, stuck: Array, noise: Array) -> None:
         for a in range(f):
             for i in range(n):
                 total[a] += linear[i] * stuck[i, a, c]
-        add_root(total, 1.0 / SPACING, noise)
+        add_root(total, 1.0 / ROW_PERIOD, noise)
 
 
 @row_compiled
@@ -141,7 +141,7 @@ def add_other_memory(linear: Array, wrench: Array, first: int, noise: Array) -> 
     for a in range(f):
         for i in range(n):
             total[a] += linear[i] * (wrench[first + i, a] - wrench[i, a])
-    add_root(total, 0.5 * PERSISTS, noise)
+    add_root(total, 0.5 * MEMORY_ERROR_ROWS, noise)
 
 
 @row_compiled
@@ -160,7 +160,7 @@ def add_measured(held: Array, wrenches: Array, theta: Array, found: tuple[Array,
                 if by != 0.0:
                     residual[a] += by * (theta[q] - wrenches[i, first + f * p + q])
                     slopes[a, q] -= by
-        noise[a, a] += (FLOOR_SHARE * size) ** 2 + 1e-10
+        noise[a, a] += (MODEL_ERROR_RATIO * size) ** 2 + 1e-10
 
 
 @row_compiled

@@ -16,15 +16,15 @@ from cartgrasp.kernels.workspace import copy
 from cartgrasp.kernels.workspace import unpack as unpack_cart
 
 from . import sensor_health
-from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .felt_wrench import HELD
+from .correction import INNOVATION_GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
+from .felt_wrench import WRENCH_HOLD_TIME
 from .found_again import begin_anew, is_found
 from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
 from .schmidt_block import N_SIZES, Considered, parts
 
-MAX_STEP = 0.01
-POISED = 12.0
+MAX_FILTER_STEP = 0.01
+MAX_INSTABILITY_EFOLDINGS = 12.0
 """e-foldings of an instability after which nothing is poised there any more."""
 
 unpack, note, said_of = compiled(parts), compiled(sensor_health.note), compiled(sensor_health.said_of)
@@ -48,11 +48,11 @@ def drive(
     d, (cart, flow) = unpack(block, plan), unpack_cart(floats, ints)
     given, room = d.room[:3], d.room[3:]
     stuck, room = room[: plan[5]], room[plan[5] :]
-    count = math.ceil((end - begin) / MAX_STEP - 1e-6)
+    count = math.ceil((end - begin) / MAX_FILTER_STEP - 1e-6)
     for i in range(count):
         step = (end - begin) / count
         time = begin + i * step
-        if time - d.pushed[0] > HELD:
+        if time - d.pushed[0] > WRENCH_HOLD_TIME:
             _let_go(d)
         raised(d.lift, d.push, given)
         point = Point(d.mean, time, d.theta, d.mean[:0])
@@ -129,7 +129,7 @@ def _predict(d: Considered, flow: Array, stuck: Array, free: Indices, step: floa
             own[i, j] = d.own[i, j] + noise[i, j]
     add_congruence(ahead[:, :n], own, noise, rest)
     held = d.pushed[0] - d.pushed[1]
-    shares = max((held if held < HELD else HELD) / step, 1.0)
+    shares = max((held if held < WRENCH_HOLD_TIME else WRENCH_HOLD_TIME) / step, 1.0)
     pushed, rest = carved(room, k, k)
     for a in range(k):
         for c in range(k):
@@ -172,14 +172,14 @@ def _is_poised(d: Considered) -> bool:
     longest = 0.0
     for a in range(len(d.poise)):
         longest = max(longest, d.poise[a])
-    return longest > POISED
+    return longest > MAX_INSTABILITY_EFOLDINGS
 
 
 @compiled
 def _topple(d: Considered, settled: Array) -> None:
     """A caster doesn't stay turned against its way: a memory believed poised for too long is where it settles."""
     for a in range(len(d.poise)):
-        if d.poise[a] > POISED:
+        if d.poise[a] > MAX_INSTABILITY_EFOLDINGS:
             i = len(d.mean) - len(d.poise) + a
             d.mean[i] = settled[a]
             d.slopes[i, :], d.own[i, :], d.own[:, i] = 0.0, 0.0, 0.0
@@ -192,10 +192,10 @@ def _take(d: Considered, time: float, seen: Array, felt: Array, gate_ratio: floa
     believed, is_felt = Believed(d.mean, d.own, d.slopes, d.beside), math.isfinite(felt[0])
     d.nis[0] = take_pose(believed, seen[:3], d.variances[:3], d.room)
     d.nis[1] = take_velocity(believed, seen[3:], d.variances[3:], d.project, d.room)
-    note(d.health[0], time, d.nis[0] / (3 * GATE))
-    note(d.health[1], time, d.nis[1] / (len(d.push) * GATE))
+    note(d.health[0], time, d.nis[0] / (3 * INNOVATION_GATE))
+    note(d.health[1], time, d.nis[1] / (len(d.push) * INNOVATION_GATE))
     note(d.health[2], time, gate_ratio if is_felt else math.nan)
-    if is_found(d, time, seen[:3], 3 * GATE):
+    if is_found(d, time, seen[:3], 3 * INNOVATION_GATE):
         begin_anew(d)
     if is_felt:
         push(d, time, felt)

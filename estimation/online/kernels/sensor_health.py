@@ -8,9 +8,9 @@ import math
 
 from cartgrasp.frames import Array
 
-TIME_OUT = 0.5
+SENSOR_TIMEOUT = 0.5
 """s without a usable sample after which a sensor that spoke before is missed."""
-OUTLYING_SHARE, SMOOTHING = 0.1, 0.05
+MAX_OUTLIER_FRACTION, OUTLIER_SAMPLE_WEIGHT = 0.1, 0.05
 """Share of the last samples beyond their gate from which on outliers are reported; and the weight of a new sample in
 it."""
 POSE_MISSED, WRENCH_MISSED, OUTLYING = 1, 2, 4
@@ -28,11 +28,11 @@ def noted(table: Array, time: float, ratios: Array) -> int:
 def note(row: Array, time: float, ratio: float) -> None:
     if math.isfinite(ratio):
         row[0], row[1], row[3] = time, ratio, 0.0
-        row[2] += SMOOTHING * ((1.0 if ratio > 1.0 else 0.0) - row[2])
+        row[2] += OUTLIER_SAMPLE_WEIGHT * ((1.0 if ratio > 1.0 else 0.0) - row[2])
     else:
-        row[3] = 1.0 if math.isfinite(row[0]) and time - row[0] > TIME_OUT else 0.0
+        row[3] = 1.0 if math.isfinite(row[0]) and time - row[0] > SENSOR_TIMEOUT else 0.0
 
 
 def said_of(table: Array) -> int:
     said = (POSE_MISSED if table[0, 3] > 0.0 else 0) + (WRENCH_MISSED if table[2, 3] > 0.0 else 0)
-    return said + (OUTLYING if table[0, 2] > OUTLYING_SHARE or table[1, 2] > OUTLYING_SHARE else 0)
+    return said + (OUTLYING if table[0, 2] > MAX_OUTLIER_FRACTION or table[1, 2] > MAX_OUTLIER_FRACTION else 0)

@@ -26,9 +26,9 @@ from cartgrasp.frames import Array
 from .jit import Indices, row_compiled
 from .matrices import add_product, congruence, in_units, inner, product, solved, times, turned, without
 from .row_algebra import FilteredRow
-from .row_parts import RATE, STANDS_OUT
+from .row_parts import FILTER_RATE, SIGNIFICANCE_SIGMAS
 
-ASKED = 1e-3
+MIN_EXCITATION_RATIO = 1e-3
 """Share of the first information below which a direction counts as not asked by rows."""
 
 
@@ -74,7 +74,7 @@ def rid(
     as they are."""
     (covariance, foreseen), (alone, spread) = motion, spreads
     usual = alone + row.quieter
-    by_wrench = product(covariance, turned(row.ends)) / -RATE
+    by_wrench = product(covariance, turned(row.ends)) / -FILTER_RATE
     gain = turned(solved(spread + row.quieter, turned(by_wrench)))
     taken = foreseen + times(gain, innovation)
     crossed = product(gain, turned(by_wrench))
@@ -120,10 +120,10 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
     for i in range(k):
         size[i] = math.sqrt(noise.first[i, i])
     added, known, made = in_units(information, size), in_units(noise.first, size), in_units(noise.information, size)
-    rows = added - (1.0 - ASKED) * known
+    rows = added - (1.0 - MIN_EXCITATION_RATIO) * known
     root, least = _root_of_inverse(rows)
     if not least > 0.0:
-        rows = added - (1.0 - ASKED) * _left_of(known, added)
+        rows = added - (1.0 - MIN_EXCITATION_RATIO) * _left_of(known, added)
         root, _ = _root_of_inverse(rows)
     share, turn = np.linalg.eigh(congruence(turned(root), made))
     directions = product(root, turn)
@@ -134,7 +134,7 @@ def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Arra
     for i in range(k):
         noisy = max(share[i], 0.0)
         slope = max(1.0 - noisy, 0.0)
-        chance = STANDS_OUT**2 * 2.0 * noise.squares[0] / most**2 * noisy**2
+        chance = SIGNIFICANCE_SIGMAS**2 * 2.0 * noise.squares[0] / most**2 * noisy**2
         weight = max(1.0 - chance / max(slope**2, 1e-300), 0.0)
         varies = 1.0 + noisy + noise.squares[0] / most * noisy * (1.0 + noisy * first[i, i] / most)
         for a in range(k):

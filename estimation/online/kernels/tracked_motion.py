@@ -8,11 +8,11 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
-from .correction import GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
+from .correction import INNOVATION_GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
 from .free_directions import add_creep
 from .jit import compiled, entry
 
-PATH_FLOOR = 1e-6
+MIN_PATH_STD = 1e-6
 """m, rad: what a step's quadrature may miss."""
 
 
@@ -90,7 +90,7 @@ def take(rows: Array, i: int, known: Array, seen: Array, f: int) -> None:
     believed = Believed(now.mean, now.covariance, nothing.reshape((len(now.mean), 0)), nothing.reshape((0, 0)))
     pose = take_pose(believed, seen[:3], c.variances[:3], c.room)
     velocity = take_velocity(believed, seen[3:], c.variances[3:], c.project, c.room)
-    for miss in (pose / (3 * GATE), velocity / (len(c.project) * GATE)):
+    for miss in (pose / (3 * INNOVATION_GATE), velocity / (len(c.project) * INNOVATION_GATE)):
         if not math.isnan(miss) and not miss < now.worst[0]:
             now.worst[0] = miss
 
@@ -150,8 +150,8 @@ def _add_noise(turned: Array, step: float, c: Known, direction: tuple[float, flo
         noise[v, w] = noise[w, v] = jerk * step**2 / 2
     add_creep(direction, c.across_b, c.densities[1] * step, noise)
     for a in range(2):
-        noise[a, a] += PATH_FLOOR**2
-    noise[2, 2] += c.densities[2] * step + PATH_FLOOR**2
+        noise[a, a] += MIN_PATH_STD**2
+    noise[2, 2] += c.densities[2] * step + MIN_PATH_STD**2
 
 
 @entry

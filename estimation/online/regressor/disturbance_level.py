@@ -17,10 +17,10 @@ from cartgrasp.frames import Array
 
 from .regression_belief import Innovation
 
-LEVELS = 6
-LOWEST = 1e-3
+N_DISTURBANCE_LEVELS = 6
+MIN_LEVEL_RATIO = 1e-3
 """The lowest level, as a share of the highest, where none is declared."""
-KEPT = 0.99
+LEVEL_FORGETTING_FACTOR = 0.99
 """Share that is kept with each row of what older ones told; ten come a second."""
 
 
@@ -34,7 +34,11 @@ class DisturbanceLevel:
     @classmethod
     def between(cls, low: float, high: float) -> Self:
         """Each as likely as the other, from one level to another (N·√s); one alone where the first is not lower."""
-        roots = np.geomspace(max(low, LOWEST * high), high, LEVELS) if high > low else np.array([low])
+        roots = (
+            np.geomspace(max(low, MIN_LEVEL_RATIO * high), high, N_DISTURBANCE_LEVELS)
+            if high > low
+            else np.array([low])
+        )
         return cls(roots**2, np.zeros(len(roots)))
 
     @property
@@ -53,4 +57,4 @@ class DisturbanceLevel:
         if len(self.densities) == 1:
             return self
         more = (self.densities - self.highest)[:, None, None] * one
-        return replace(self, told=KEPT * self.told + innovation.log_likelihoods(more))
+        return replace(self, told=LEVEL_FORGETTING_FACTOR * self.told + innovation.log_likelihoods(more))

@@ -25,11 +25,11 @@ from cartgrasp.model import CartModel
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
-from ...standstill import LEVER, STILL_SPEED
+from ...standstill import HALF_TRACK, STANDSTILL_SPEED
 from ..kernels import row_algebra as kernels
 from ..kernels import row_parts
 from ..kernels.row_algebra import FilteredRow, Found, LeftOut, Smoothed, Weights
-from ..kernels.row_parts import STILL
+from ..kernels.row_parts import STANDSTILL_SIGMAS
 
 
 @dataclass(frozen=True)
@@ -46,8 +46,8 @@ class Block:
 def stands_still(moved: Smoothed, cart: CartModel) -> bool:
     """Whether the cart may, all the block long: it creeps at most, or nothing is seen to move."""
     twist = moved.velocity @ cart.basis_b.T
-    creeps = np.hypot(twist[:, 0], twist[:, 1]) + LEVER * np.abs(twist[:, 2]) < STILL_SPEED
-    is_unseen = moved.velocity**2 < STILL**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)
+    creeps = np.hypot(twist[:, 0], twist[:, 1]) + HALF_TRACK * np.abs(twist[:, 2]) < STANDSTILL_SPEED
+    is_unseen = moved.velocity**2 < STANDSTILL_SIGMAS**2 * np.diagonal(moved.covariance, axis1=1, axis2=2)
     return bool(creeps.all() or is_unseen.all())
 
 
@@ -56,7 +56,7 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
     basis = cart.basis_b[:2]
     found = np.linalg.norm(moved.velocity @ basis.T, axis=1)
     std = np.sqrt(np.einsum("ia,nab,ib->n", basis, moved.covariance, basis))
-    return bool((found + STILL * std < speed).any())
+    return bool((found + STANDSTILL_SIGMAS * std < speed).any())
 
 
 def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, left_out: LeftOut) -> FilteredRow:

@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 
 from ..kernels.row_algebra import Smoothed
 
-MOST_SPREADS = 2.0
+MAX_MEMORY_STD_RATIO = 2.0
 """Standard deviation of a memory at first, and at most, in multiples of its spread: 1 rad for a caster."""
 
 
@@ -33,7 +33,7 @@ class FollowedMemory:
             return moved
         motion = moved.pose, moved.velocity, moved.time, parameters
         mean = self.cart.memory_along(*motion, None if self.at is None else self.at[0])
-        std = MOST_SPREADS * self.cart.memory_spread if self.at is None else self.at[1]
+        std = MAX_MEMORY_STD_RATIO * self.cart.memory_spread if self.at is None else self.at[1]
         std = np.where(self.cart.memory_is_seen, 0.0, std)
         off = [wrap_angle(self.cart.memory_along(*motion, mean[0] + side * std) - mean) for side in (1.0, -1.0)]
         return moved._replace(memory=mean, memory_std=np.sqrt(0.5 * (off[0] ** 2 + off[1] ** 2)))
@@ -44,7 +44,7 @@ class FollowedMemory:
             return self
         spread, step = self.cart.memory_spread, float(moved.time[k] - moved.time[0])
         more = self.swivel**2 * step * (spread / TYPICAL_MEMORY_SPREAD) ** 2
-        std = np.minimum(np.sqrt(moved.memory_std[k] ** 2 + more), MOST_SPREADS * spread)
+        std = np.minimum(np.sqrt(moved.memory_std[k] ** 2 + more), MAX_MEMORY_STD_RATIO * spread)
         return FollowedMemory(self.cart, self.swivel, (moved.memory[k], std))
 
     @cached_property

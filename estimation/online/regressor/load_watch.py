@@ -14,27 +14,27 @@ from cartgrasp.frames import Array
 
 from ...health import Health
 from ..kernels import belief as kernels
-from ..kernels.sensor_health import OUTLYING_SHARE
+from ..kernels.sensor_health import MAX_OUTLIER_FRACTION
 from ..resets import Resets
 from ..whiteness import Whiteness
-from .regression_belief import GATE, Innovation
+from .regression_belief import ROW_GATE, Innovation
 from .trial import Trial
 from .wrench_loudness import WrenchLoudness
 
-ROWS = 10
+CHI2_TEST_ROWS = 10
 """Rows of the chi-squared test: a second."""
-FALSE_ALARM, FALSE_LOAD = 1e-3, 1e-2
+FALSE_ALARM_PROBABILITY, FALSE_LOAD_PROBABILITY = 1e-3, 1e-2
 """Probabilities of a false alarm: of the chi-squared test in each row, and of the other test for each moment."""
-STARTS = 60
+CHANGE_WINDOW_ROWS = 60
 """Rows over which a change is looked for."""
-SETTLING_ROWS = 20
+NOISE_SETTLING_ROWS = 20
 """Rows by which it is known how loud the noise is. In fewer a load must be as much likelier than louder noise; else
 deviations are told as if noise were as loud as it seems."""
-SMOOTHING = 0.1
-LASTING, ODD_SHARE = 200, 0.15
+OUTLIER_ROW_WEIGHT = 0.1
+MISFIT_WINDOW_ROWS, MAX_MISFIT_FRACTION = 200, 0.15
 """Rows over which is counted how many a push is said to have been in, or are outliers, and the share of them beyond
 which it is the model that does not fit."""
-FITTING = 5
+RECOVERY_ROWS = 5
 """Rows in a row after which a model that did not fit does again."""
 
 
@@ -46,7 +46,7 @@ class LoadWatch:
         from scipy.special import gammainccinv
 
         self._n = n
-        self._limit = 2.0 * float(gammainccinv(ROWS * n / 2, FALSE_ALARM))
+        self._limit = 2.0 * float(gammainccinv(CHI2_TEST_ROWS * n / 2, FALSE_ALARM_PROBABILITY))
         self._squares: tuple[float, ...] = ()
         self._since, self._free = _nothing(free), free
         self._seen = 0
@@ -65,7 +65,7 @@ class LoadWatch:
         self.follow(time, innovation)
         self._since = _followed(self._since, (innovation.information, innovation.by_noise, innovation.pull))
         self._seen += 1
-        self._squares = (*self._squares, min(innovation.square, GATE * self._n))[-ROWS:]
+        self._squares = (*self._squares, min(innovation.square, ROW_GATE * self._n))[-CHI2_TEST_ROWS:]
         may = self._resets.are_allowed and self._fits
         is_suspected = may and not self._rows_fit(root, loudness)
         if is_suspected:
@@ -74,7 +74,7 @@ class LoadWatch:
 
     def _rows_fit(self, root: Array, loudness: WrenchLoudness) -> bool:
         """Whether the last rows are as they should be."""
-        by_load, is_settled = self._evidence(root) + np.log(FALSE_LOAD), self._seen >= SETTLING_ROWS
+        by_load, is_settled = self._evidence(root) + np.log(FALSE_LOAD_PROBABILITY), self._seen >= NOISE_SETTLING_ROWS
         self._unsure = 1.0 if is_settled or by_load < 0.0 else loudness.excess
         if is_settled:
             return bool(sum(self._squares) < self._limit and by_load < 0.0)
@@ -104,14 +104,14 @@ class LoadWatch:
     def follow(self, time: float, innovation: Innovation, *, is_pushed: bool = False) -> None:
         """Health after a row; whether a push is said to be in it."""
         self._resets = self._resets.at(time)
-        self.ratio = innovation.square / (GATE * self._n)
-        self._odd += (float(is_pushed or self.ratio > 1.0) - self._odd) / LASTING
-        self._outliers += SMOOTHING * (float(self.ratio > 1.0) - self._outliers)
+        self.ratio = innovation.square / (ROW_GATE * self._n)
+        self._odd += (float(is_pushed or self.ratio > 1.0) - self._odd) / MISFIT_WINDOW_ROWS
+        self._outliers += OUTLIER_ROW_WEIGHT * (float(self.ratio > 1.0) - self._outliers)
         if self.ratio <= 1.0:
             self._white = self._white.and_then(time, innovation.pull, innovation.information)
         if self._unfit is not None:
             fitting = self._unfit + 1 if self.ratio <= 1.0 else 0
-            self._unfit = fitting if fitting < FITTING else None
+            self._unfit = fitting if fitting < RECOVERY_ROWS else None
         self._say()
 
     @property
@@ -122,7 +122,7 @@ class LoadWatch:
 
     @property
     def _fits(self) -> bool:
-        return self._unfit is None and self._odd < ODD_SHARE
+        return self._unfit is None and self._odd < MAX_MISFIT_FRACTION
 
     def _say(self) -> None:
         """Sets the health: the first that holds."""
@@ -131,7 +131,7 @@ class LoadWatch:
         elif self._is_tried or self._resets.has_new_load:
             self.health = Health.LOAD_CHANGED
         else:
-            self.health = Health.OUTLIERS if self._outliers > OUTLYING_SHARE else Health.OK
+            self.health = Health.OUTLIERS if self._outliers > MAX_OUTLIER_FRACTION else Health.OK
 
     def _evidence(self, root: Array) -> float:
         """The log evidence of a load at the most likely moment."""
@@ -155,7 +155,7 @@ def _nothing(free: int) -> Since:
 def _followed(since: Since, more: Since) -> Since:
     """With those of a row, which is one moment more."""
     information, by_noise, score = (
-        np.concatenate([old[1 - STARTS :], np.zeros((1, *new.shape))]) + new
+        np.concatenate([old[1 - CHANGE_WINDOW_ROWS :], np.zeros((1, *new.shape))]) + new
         for old, new in zip(since, more, strict=True)
     )
     return information, by_noise, score

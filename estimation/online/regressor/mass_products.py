@@ -17,11 +17,11 @@ from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from ...gaussian import Gaussian
-from ...physical_set import LEAST_MASS_SHARE
+from ...physical_set import MIN_MASS_RATIO
 from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow
 
-MASS = 0
+MASS_INDEX = 0
 """Its place among the parameters."""
 
 
@@ -48,40 +48,40 @@ class MassProducts:
         """Where the mass is given, there is nothing to be told apart."""
         of_effects = [parameter for effect in cart.effects for parameter in effect.parameters]
         by_mass = {N_PHI + i for i, parameter in enumerate(of_effects) if parameter.is_by_mass}
-        scaled = np.array(sorted(by_mass & set(free.tolist())) if MASS in free else [], dtype=np.int64)
+        scaled = np.array(sorted(by_mass & set(free.tolist())) if MASS_INDEX in free else [], dtype=np.int64)
         usual = np.array([of_effects[i - N_PHI].typical for i in scaled.tolist()])
-        return cls(scaled, LEAST_MASS_SHARE * cart.inertia.mass, usual)
+        return cls(scaled, MIN_MASS_RATIO * cart.inertia.mass, usual)
 
     def products(self, theta: Array) -> Array:
         """The parameters (p,) with products in place of the factors."""
         found = theta.copy()
-        found[self.scaled] *= max(theta[MASS], self.least)
+        found[self.scaled] *= max(theta[MASS_INDEX], self.least)
         return found
 
     def factors(self, products: Array) -> Array:
         """The parameters (p,) with factors in place of the products."""
         found = products.copy()
-        found[self.scaled] /= max(products[MASS], self.least)
+        found[self.scaled] /= max(products[MASS_INDEX], self.least)
         return found
 
     def floor(self, theta: Array) -> Array:
         """Covariance (p, p) of the products, of what another floor changes."""
         found = np.zeros((len(theta), len(theta)))
-        found[self.scaled, self.scaled] = (self.usual * max(theta[MASS], self.least)) ** 2
+        found[self.scaled, self.scaled] = (self.usual * max(theta[MASS_INDEX], self.least)) ** 2
         return found
 
     def jacobian(self, theta: Array) -> Array:
         """Partials (p, p) of the factors by the products, at factors (p,)."""
-        found, scaled, mass = np.eye(len(theta)), self.scaled, max(theta[MASS], self.least)
+        found, scaled, mass = np.eye(len(theta)), self.scaled, max(theta[MASS_INDEX], self.least)
         found[scaled, scaled] = 1.0 / mass
-        found[scaled, MASS] = -theta[scaled] / mass
+        found[scaled, MASS_INDEX] = -theta[scaled] / mass
         return found
 
     def by_factors(self, theta: Array) -> Array:
         """Partials (p, p) of the products by the factors: the inverse of `jacobian`."""
         found, scaled = np.eye(len(theta)), self.scaled
-        found[scaled, scaled] = max(theta[MASS], self.least)
-        found[scaled, MASS] = theta[scaled]
+        found[scaled, scaled] = max(theta[MASS_INDEX], self.least)
+        found[scaled, MASS_INDEX] = theta[scaled]
         return found
 
     def of_row(self, row: FilteredRow, theta: Array) -> FilteredRow:

@@ -21,15 +21,15 @@ from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
 from ..kernels.felt_wrench import size
-from ..kernels.recorded_moment import LATER, record
-from ..kernels.row_algebra import LAG, Smoothed, over
+from ..kernels.recorded_moment import NEW_MOMENT, record
+from ..kernels.row_algebra import SMOOTHING_LAG, Smoothed, over
 
-JERK = 3.0
+JERK_DENSITY = 3.0
 """m/s³ √s or rad/s³ √s: root density; high enough that hands which wander smoothly are not smoothed away."""
-UNKNOWN = (10.0, 1.0, 3.0)
+INITIAL_STDS = (10.0, 1.0, 3.0)
 """Standard deviations of pose, nu and nu' before anything is measured."""
-LEAST_VARIANCE = 1e-10
-ROOM = 64
+MIN_INITIAL_VARIANCE = 1e-10
+INITIAL_CAPACITY = 64
 """Moments that there is room for at first."""
 
 
@@ -76,8 +76,8 @@ class MotionTracker:
         known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
         known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         known.across_b[:] = cart.rolling.across_b
-        known.densities[:] = JERK**2, noise.sideways(cart) ** 2, noise.slip**2
-        self._rows = np.zeros((ROOM, 1 + self._wrench + kernels.row_size(self._d)))
+        known.densities[:] = JERK_DENSITY**2, noise.sideways(cart) ** 2, noise.slip**2
+        self._rows = np.zeros((INITIAL_CAPACITY, 1 + self._wrench + kernels.row_size(self._d)))
         self._past, self.last_time = np.zeros((0, 1 + self._wrench)), -math.inf
 
     @property
@@ -108,12 +108,12 @@ class MotionTracker:
     def start(self, time: float, pose: Array) -> None:
         """Begins anew, with a pose that may be NaN in parts."""
         known, first = np.isfinite(pose), self._rows[0]
-        variance = np.square(np.repeat(UNKNOWN, [3, self._free, self._free]))
+        variance = np.square(np.repeat(INITIAL_STDS, [3, self._free, self._free]))
         variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
         first[:], first[0], first[1] = 0.0, time, math.nan
         moment = kernels.moment(first, self._d)
         moment.mean[:3] = np.where(known, pose, 0.0)
-        moment.covariance[:], moment.worst[:] = np.diag(variance + LEAST_VARIANCE), math.nan
+        moment.covariance[:], moment.worst[:] = np.diag(variance + MIN_INITIAL_VARIANCE), math.nan
         self._n, self.last_time, self._past = 1, time, np.zeros((0, 1 + self._wrench))
 
     def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
@@ -123,7 +123,7 @@ class MotionTracker:
         if n == len(self._rows):
             self.make_room(n + 1)
         said = record(self._rows, self._known, n, time, seen, wrenches, grip, believed)
-        if said & LATER:
+        if said & NEW_MOMENT:
             self._n, self.last_time = n + 1, time
         return said
 
@@ -185,6 +185,6 @@ class MotionTracker:
     def drop(self, k: int) -> None:
         """The first k moments, of which wrenches are kept that may come early."""
         past = np.concatenate([self._past, self._rows[:k, : 1 + self._wrench]])
-        self._past = past[past[:, 0] > self._rows[k, 0] - LAG]
+        self._past = past[past[:, 0] > self._rows[k, 0] - SMOOTHING_LAG]
         self._rows[: self._n - k] = self._rows[k : self._n]
         self._n -= k

@@ -28,8 +28,8 @@ from ...noise import FilterNoise
 from ...parameter_report import ParameterReport, WhenAsked, as_taught
 from ...physical_set import PhysicalSet
 from ...prior import Prior
-from ..disturbance.observer import USUAL_PUSH
-from ..kernels.recorded_moment import DUE, FELT
+from ..disturbance.observer import PUSH_FORCE_STD
+from ..kernels.recorded_moment import ROW_DUE, WRENCH_USED
 from ..kernels.row_algebra import FilteredRow, LeftOut, weights
 from ..load_change import load_covariance, root_of
 from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
@@ -37,7 +37,7 @@ from ..wrench_sensing import Moving, WrenchSensing
 from .disturbance_level import DisturbanceLevel
 from .filtered_row import Block, filtered_row, is_slower, one_disturbance, stands_still
 from .followed_memory import FollowedMemory
-from .load_watch import ROWS, LoadWatch
+from .load_watch import CHI2_TEST_ROWS, LoadWatch
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
@@ -46,11 +46,11 @@ from .scale import ScaleInformation
 from .trial import Beginning, Taken, Trial
 from .wrench_loudness import WrenchLoudness
 
-LONG_GAP = 0.3
+MAX_REGRESSION_GAP = 0.3
 """s: across a longer one nothing is carried."""
-SLICED = 0.004
+MIN_UNSLICED_INTERVAL = 0.004
 """s between samples: a loop that is faster has a row worked out in slices, one with each sample (`row_stages.py`)."""
-A_SLICE = 32
+SLICE_MOMENTS = 32
 """Moments that are smoothed in one."""
 
 
@@ -91,7 +91,7 @@ class ParameterLearner:
         self._trial: Trial | None = None
         self.tried = self.loaded = -math.inf  # when a trial was over last, and when one ended with another load
         self._taken: tuple[Taken, ...] = ()  # the last rows
-        self._push = np.diag(USUAL_PUSH * noise.wrench_scale(cart)) ** 2
+        self._push = np.diag(PUSH_FORCE_STD * noise.wrench_scale(cart)) ** 2
         self._memory = FollowedMemory(cart, noise.swivel)
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
@@ -108,7 +108,7 @@ class ParameterLearner:
         sensing.note_contacts(measurement)
         seen = self.seen = self._seen.of(measurement)
         is_seen = self._seen.is_whole or bool(np.isfinite(seen).any())
-        if not self._started or time - (self._seen_until if is_seen else self.time) > LONG_GAP:
+        if not self._started or time - (self._seen_until if is_seen else self.time) > MAX_REGRESSION_GAP:
             self._start(time)
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         if is_seen:
@@ -119,11 +119,11 @@ class ParameterLearner:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         before, self.time = self.time, self.tracker.last_time
-        self.worked = said & DUE > 0 or self._unfinished is not None
+        self.worked = said & ROW_DUE > 0 or self._unfinished is not None
         if self.worked:
-            self._work(self.time - before, is_due=said & DUE > 0)
+            self._work(self.time - before, is_due=said & ROW_DUE > 0)
         self._watch.go_on(time)
-        if said & FELT:
+        if said & WRENCH_USED:
             self.felt, self._has_wrench = self.tracker.felt, True
         else:
             self.felt = NO_WRENCHES
@@ -202,7 +202,7 @@ class ParameterLearner:
             self._take_row()
         else:
             self._go_on()
-        if not since < SLICED:
+        if not since < MIN_UNSLICED_INTERVAL:
             self._finish()
 
     def _go_on(self) -> None:
@@ -210,7 +210,7 @@ class ParameterLearner:
         part, self._unfinished = self._unfinished, None
         match part:
             case Begun() if part.smoothing.left:
-                self._unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, A_SLICE))
+                self._unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, SLICE_MOMENTS))
             case Begun():
                 self._unfinished = self._block_of(part)
             case Block():
@@ -241,7 +241,7 @@ class ParameterLearner:
             weighing = weights(self.tracker.time[:end], end - k)
             self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
             self._go_on()
-        elif self.time - self._seen_until > LONG_GAP:
+        elif self.time - self._seen_until > MAX_REGRESSION_GAP:
             self._drop_link()
             self._memory = self._memory.lost()
             self.tracker.drop(k)
@@ -291,7 +291,7 @@ class ParameterLearner:
         """The row, with which the last ones count at last, too; None while the scale is not known."""
         n = len(told.row.residual)
         self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], told.row)
-        self._pending = (*self._pending, told)[-ROWS:]
+        self._pending = (*self._pending, told)[-CHI2_TEST_ROWS:]
         if not self._scale.is_known:
             return None
         pending, self._pending = self._pending, ()
@@ -314,7 +314,7 @@ class ParameterLearner:
         innovation = self._belief.update(row, self.theta)
         if not self._is_disturbed:
             self._level = self._level.after(innovation, of_white * self._one_disturbance)
-        self._taken = (*self._taken, Taken(before, row, self.theta))[-ROWS:]
+        self._taken = (*self._taken, Taken(before, row, self.theta))[-CHI2_TEST_ROWS:]
         return TakenIn(time, innovation)
 
     def _decide(self, time: float, told: Innovation | Trial) -> Decided | Beginning:

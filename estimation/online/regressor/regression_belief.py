@@ -24,13 +24,14 @@ from ..kernels.row_algebra import FilteredRow
 from ..kernels.slope_noise import SlopeNoise
 from .mass_products import MassProducts, Told
 
-LATENESS_STD = 0.03
-"""s, of how late wrenches are, beyond `USUALLY_LATE`: clocks of sensors that no trigger shares are off by that much."""
-KEPT = 0.9992
+WRENCH_DELAY_STD = 0.03
+"""s, of how late wrenches are, beyond `NOMINAL_DELAY_PERIODS`: clocks of sensors that no trigger shares are off by that
+much."""
+ROW_FORGETTING_FACTOR = 0.9992
 """Share that is kept of the information about what a row asks; with ten rows a second, 2 min are remembered."""
-GATE = 12.0
+ROW_GATE = 12.0
 """Normalised squares, by component, beyond which a row pulls less."""
-ABSURD = 1e6
+ROW_REJECTION_GATE = 1e6
 """And beyond which it is no measurement."""
 
 
@@ -70,7 +71,7 @@ class Innovation(NamedTuple):
         return log_likelihood(self.value, self.covariance + more)
 
 
-def log_likelihood(value: Array, spread: Array, gate: float = GATE) -> Array:
+def log_likelihood(value: Array, spread: Array, gate: float = ROW_GATE) -> Array:
     """The log-likelihood of a value (n,), but for a constant, with each covariance (..., n, n), widened to the gate."""
     n = len(value)
     square = np.linalg.solve(spread, value[:, None])[..., 0] @ value
@@ -88,7 +89,7 @@ class RegressionBelief:
         try:
             first = products.belief(first, free, given)
             information[:-1, :-1] = np.linalg.inv(first.covariance)
-            information[-1, -1] = LATENESS_STD**-2
+            information[-1, -1] = WRENCH_DELAY_STD**-2
             _inverse(information)
         except np.linalg.LinAlgError as error:
             why = "the cart's mass, CoM and inertia are too far apart to be learned; look for numbers not in SI units"
@@ -123,9 +124,11 @@ class RegressionBelief:
         """Takes in a row around parameters (p,)."""
         row, at = self._products.of_row(row, at), self._products.products(at)
         known = self._known, self._noise
-        (self._known, self._noise), told = kernels.absorbed(known, row, at, self._free, (KEPT, GATE, ABSURD))
+        (self._known, self._noise), told = kernels.absorbed(
+            known, row, at, self._free, (ROW_FORGETTING_FACTOR, ROW_GATE, ROW_REJECTION_GATE)
+        )
         innovation = Innovation(*told, row.of_wrenches)
-        if not innovation.square < ABSURD * self._n:
+        if not innovation.square < ROW_REJECTION_GATE * self._n:
             self.drop_link()
         return innovation
 
@@ -144,7 +147,7 @@ class RegressionBelief:
         m = self._k - 1
         covariance = now.covariance.copy()
         covariance[:m, :m] += added
-        covariance[m, m] += LATENESS_STD**2
+        covariance[m, m] += WRENCH_DELAY_STD**2
         self.believe(now.mean, covariance)
 
     def believe(self, mean: Array, covariance: Array) -> None:

@@ -20,11 +20,11 @@ from cartgrasp.model import CartModel
 from ...prior import Prior
 from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow
-from .mass_products import MASS
+from .mass_products import MASS_INDEX
 
-KNOWN = 0.2
+KNOWN_LOG_SCALE_STD = 0.2
 """Standard deviation of log s."""
-SURE = 3.0
+KNOWN_SCALE_SIGMAS = 3.0
 """Standard deviations by which what is told stands out of what noise alone would tell."""
 
 
@@ -41,13 +41,13 @@ class ScaleInformation:
     def of(cls, cart: CartModel, prior: Prior, free: Indices) -> Self:
         """Nothing lacks where the mass is given. A force that is given, such as friction, is too weak beside noise of
         the motion, times the mass, to hold the others."""
-        if MASS not in free:
+        if MASS_INDEX not in free:
             return cls(0.0)
-        return cls(KNOWN**-2 - (cart.inertia.mass / prior.deviations(cart)[MASS]) ** 2)
+        return cls(KNOWN_LOG_SCALE_STD**-2 - (cart.inertia.mass / prior.deviations(cart)[MASS_INDEX]) ** 2)
 
     @property
     def is_known(self) -> bool:
-        return self.lacking <= 0.0 or self.told - SURE * math.sqrt(self.by_noise) >= self.lacking
+        return self.lacking <= 0.0 or self.told - KNOWN_SCALE_SIGMAS * math.sqrt(self.by_noise) >= self.lacking
 
     def after(self, felt: Array, row: FilteredRow) -> Self:
         """After a row, over which a wrench (n,) was felt."""

@@ -20,16 +20,16 @@ from cartgrasp.frames import Array
 from ..kernels.row_algebra import FilteredRow
 from .regression_belief import Innovation, RegressionBelief, mixture
 
-DECIDED = math.log(1000.0)
+DECISION_NATS = math.log(1000.0)
 """The log odds beyond which only one of the beliefs is left."""
-LEAST, LONGEST = 15, 60
+MIN_LOAD_BLOCKS, MAX_HYPOTHESES_ROWS = 15, 60
 """Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
 told apart is one belief, as wide as both."""
-SETTING_IN = 2
+CHANGE_ONSET_ROWS = 2
 """Rows that tell nothing of a change, since it may set in within them: a row is of means over 0.1 s."""
-OVER = 5
+PUSH_END_ROWS = 5
 """Rows in a row without a push after which it is over."""
-STEADY = 0.25
+PUSH_STEP_STD_RATIO = 0.25
 """Standard deviation of a push's change from row to row, as a share of its usual size."""
 
 
@@ -55,7 +55,9 @@ class Pushed(NamedTuple):
         a push is likelier."""
         belief, gain = self.belief.copy(), 1.0 - row.fade
         innovation = belief.update(row, at)
-        mean, covariance = (self.force, STEADY**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
+        mean, covariance = (
+            (self.force, PUSH_STEP_STD_RATIO**2 * usual) if self.rows == 0 else (np.zeros(len(usual)), usual)
+        )
         without = innovation.quasi_log_likelihood()
         beside = innovation.quasi_log_likelihood(gain * mean, gain**2 * covariance)
         if without >= beside:
@@ -133,16 +135,18 @@ class Trial:
         """Which of them is left: 0 for a push; None while rows have not told."""
         odds = self._odds
         best = int(np.argmax(odds))
-        return best if odds[best] - np.logaddexp.reduce(np.delete(odds, best)) > DECIDED else None
+        return best if odds[best] - np.logaddexp.reduce(np.delete(odds, best)) > DECISION_NATS else None
 
     @property
     def is_over(self) -> bool:
         sure = self._sure
         if sure is None:
-            return self.rows >= LONGEST
+            return self.rows >= MAX_HYPOTHESES_ROWS
         if sure == 0:
-            return self.pushed.rows >= OVER or self.still >= LEAST or self.rows >= LONGEST
-        return self.is_on_another_floor or self.rows + self.still >= LEAST
+            return (
+                self.pushed.rows >= PUSH_END_ROWS or self.still >= MIN_LOAD_BLOCKS or self.rows >= MAX_HYPOTHESES_ROWS
+            )
+        return self.is_on_another_floor or self.rows + self.still >= MIN_LOAD_BLOCKS
 
     @property
     def is_loaded(self) -> bool:
@@ -164,17 +168,17 @@ class Trial:
     @property
     def has_push(self) -> bool:
         """Surely."""
-        return self.pushed.evidence > DECIDED
+        return self.pushed.evidence > DECISION_NATS
 
     @property
     def is_told(self) -> bool:
         """Whether a load is, or a push that is not long gone, if only as long as nothing else comes."""
-        return self.is_loaded or (self.has_push and self.without < LEAST)
+        return self.is_loaded or (self.has_push and self.without < MIN_LOAD_BLOCKS)
 
     @property
     def is_endless(self) -> bool:
         """What pushes for so long is no push, but the model's error: no belief is right."""
-        return self.rows >= LONGEST and self._sure == 0 and self.pushed.rows < OVER
+        return self.rows >= MAX_HYPOTHESES_ROWS and self._sure == 0 and self.pushed.rows < PUSH_END_ROWS
 
     @property
     def belief(self) -> RegressionBelief:
@@ -191,7 +195,7 @@ class Trial:
         if self._sure is not None:
             return None
         odds = self._odds
-        alike = np.where(odds > odds.max() - DECIDED, 1.0, 0.0)
+        alike = np.where(odds > odds.max() - DECISION_NATS, 1.0, 0.0)
         return mixture(self._beliefs, alike / alike.sum(), self._told)
 
     @property
@@ -230,7 +234,7 @@ class TrialRow(NamedTuple):
         if self.pushed is None:
             return None
         pushed, _, innovation = self.pushed
-        if before.rows < SETTING_IN:
+        if before.rows < CHANGE_ONSET_ROWS:
             changed = tuple(one.without_link() for one in before.changed)
             return replace(before, pushed=pushed, changed=changed, rows=before.rows + 1, innovation=innovation)
         if len(self.changed) < len(before.changed):

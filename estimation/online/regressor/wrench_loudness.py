@@ -21,17 +21,17 @@ from cartgrasp.frames import Array
 from ...sensor_check.suspicion import Suspicion
 from .regression_belief import Innovation, log_likelihood
 
-LEVELS = 2.0 ** np.arange(7)
+NOISE_VARIANCE_FACTORS = 2.0 ** np.arange(7)
 """Times the declared variance: white noise, to a correlation time of 32 samples."""
-RARE = 10.0
+DOUBLING_PENALTY_NATS = 10.0
 """Nats for each doubling, beforehand."""
-KEPT = 0.998
+NOISE_FORGETTING_FACTOR = 0.998
 """Share that is kept with each row of what older ones told; ten come a second."""
-APART = 3
+DIFFERENCE_LAG_ROWS = 3
 """Rows from one innovation to that from which it differs: 0.3 s."""
-LOUD = 6.0
+DIFFERENCE_GATE = 6.0
 """Normalised squares, by component, beyond which a difference is no louder: what jumps is no noise."""
-TOLD_FROM = 1.5
+MIN_REPORTED_NOISE_RATIO = 1.5
 """Times the declared deviation."""
 
 
@@ -48,7 +48,7 @@ class Row(NamedTuple):
 class WrenchLoudness:
     """The log-likelihood of each level; the likeliest, on which the next row counts; and the last rows."""
 
-    told: Array = field(default_factory=lambda: np.zeros(len(LEVELS)))
+    told: Array = field(default_factory=lambda: np.zeros(len(NOISE_VARIANCE_FACTORS)))
     usual: float = 1.0
     last: tuple[Row, ...] = ()
 
@@ -56,17 +56,27 @@ class WrenchLoudness:
         """After a row that counted on `usual`. One without noise, or beyond numbers, tells nothing."""
         of_wrenches = innovation.of_wrenches
         row = Row(innovation.value, innovation.of_known - self.usual * of_wrenches, of_wrenches)
-        last = (*self.last, row)[-APART:]
-        if len(self.last) < APART:
+        last = (*self.last, row)[-DIFFERENCE_LAG_ROWS:]
+        if len(self.last) < DIFFERENCE_LAG_ROWS:
             return replace(self, last=last)
         before = self.last[0]
-        spread = row.other + before.other + LEVELS[:, None, None] * (row.of_wrenches + before.of_wrenches)
-        told = np.full(len(LEVELS), np.nan)
+        spread = (
+            row.other + before.other + NOISE_VARIANCE_FACTORS[:, None, None] * (row.of_wrenches + before.of_wrenches)
+        )
+        told = np.full(len(NOISE_VARIANCE_FACTORS), np.nan)
         with suppress(np.linalg.LinAlgError):
-            told = KEPT * self.told + log_likelihood(row.value - before.value, spread, LOUD)
+            told = NOISE_FORGETTING_FACTOR * self.told + log_likelihood(
+                row.value - before.value, spread, DIFFERENCE_GATE
+            )
         if not np.isfinite(told).all():
             return replace(self, last=last)
-        return type(self)(told, float(LEVELS[np.argmax(told - RARE * np.arange(len(LEVELS)))]), last)
+        return type(self)(
+            told,
+            float(
+                NOISE_VARIANCE_FACTORS[np.argmax(told - DOUBLING_PENALTY_NATS * np.arange(len(NOISE_VARIANCE_FACTORS)))]
+            ),
+            last,
+        )
 
     @property
     def gain(self) -> float:
@@ -76,12 +86,12 @@ class WrenchLoudness:
     @property
     def excess(self) -> float:
         """How many times as loud that level is, 1 at least."""
-        return max(float(LEVELS[np.argmax(self.told)]) / self.usual, 1.0)
+        return max(float(NOISE_VARIANCE_FACTORS[np.argmax(self.told)]) / self.usual, 1.0)
 
     @property
     def suspicions(self) -> tuple[Suspicion, ...]:
         times = math.sqrt(self.usual)
-        if times < TOLD_FROM:
+        if times < MIN_REPORTED_NOISE_RATIO:
             return ()
         words = f"over 0.1 s wrenches are {times:.1f} times as noisy as declared white samples, and taken as such"
         return (Suspicion("noise", "wrench", 1.0, times, words),)

@@ -15,9 +15,9 @@ from cartgrasp.wheels import CASTER, FIXED, Wheel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
-from estimation.online.kernels.row_parts import PERSISTS, RATE
+from estimation.online.kernels.row_parts import FILTER_RATE, MEMORY_ERROR_ROWS
 from estimation.online.regressor.filtered_row import Block, filtered_row
-from estimation.online.regressor.followed_memory import MOST_SPREADS, FollowedMemory
+from estimation.online.regressor.followed_memory import MAX_MEMORY_STD_RATIO, FollowedMemory
 
 from ..runs import wrench_rows
 from .declared import left_out
@@ -67,9 +67,9 @@ def test_what_is_not_known_of_a_swing_is_noise():
     """Each caster drags by `(T / b) |sin delta|`, and is as likely off to either side."""
     heading, std = np.array([0.8, 0.8]), np.array([0.3, 0.5])
     noise = along_casters(heading, std) - along_casters(heading, 0.0 * std)
-    gain = TORQUE / TRAIL * -np.expm1(-RATE * 0.16)
+    gain = TORQUE / TRAIL * -np.expm1(-FILTER_RATE * 0.16)
     off = [gain * (np.sin(heading + side * std) - np.sin(heading)) for side in (1.0, -1.0)]
-    assert noise[0, 0] == pytest.approx(PERSISTS * 0.5 * np.sum(np.square(off)), rel=5e-3)
+    assert noise[0, 0] == pytest.approx(MEMORY_ERROR_ROWS * 0.5 * np.sum(np.square(off)), rel=5e-3)
 
 
 def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
@@ -80,7 +80,7 @@ def test_a_caster_forgets_where_it_stood_once_it_has_swung_round():
     moved = Smoothed(time, np.zeros((301, 3)), velocity, 0.0 * velocity, exact, exact[:3], none, none)
     followed = FollowedMemory(CART, swivel=0.2)
     along = followed.along(moved, CART.parameters)
-    spread = MOST_SPREADS * CART.memory_spread
+    spread = MAX_MEMORY_STD_RATIO * CART.memory_spread
     assert along.memory_std[0] == pytest.approx(spread)
     assert (along.memory_std[100] < 1e-3).all()
     after = followed.after(along, 100).along(moved, CART.parameters)

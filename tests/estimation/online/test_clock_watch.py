@@ -5,7 +5,7 @@ from dataclasses import replace
 import pytest
 
 from estimation.health import Health
-from estimation.online.clock_watch import TIMES
+from estimation.online.clock_watch import TIME_UNITS
 from estimation.whole_log.replay import replay
 
 from .test_sensor_watch import GUESS, KINDS, run
@@ -23,9 +23,9 @@ def told(log, which):
 @ONLINE
 @pytest.mark.parametrize("unit", ["ms", "μs", "ns"])
 def test_units_of_time_are_told(which, unit):
-    found = told(replace(run(), time=run().time / TIMES[unit]), which)
+    found = told(replace(run(), time=run().time / TIME_UNITS[unit]), which)
     at_five = found[500]
-    assert [(one.kind, one.where, one.factor) for one in at_five.suspicions] == [("unit", "time", TIMES[unit])]
+    assert [(one.kind, one.where, one.factor) for one in at_five.suspicions] == [("unit", "time", TIME_UNITS[unit])]
     assert {one.health for one in found[1:]} == {Health.STALE}
 
 

@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimation.online.regressor.disturbance_level import LEVELS, DisturbanceLevel
+from estimation.online.regressor.disturbance_level import N_DISTURBANCE_LEVELS, DisturbanceLevel
 from estimation.online.regressor.regression_belief import Innovation
 
 LOW, HIGH = 0.05, 2.0
@@ -30,7 +30,7 @@ def test_it_finds_the_level_at_which_rows_are_drawn(root, seed):
     level = DisturbanceLevel.between(LOW, HIGH)
     for row in rows:
         level = level.after(innovation(row), ONE)
-    step = (HIGH / LOW) ** (1.0 / (LEVELS - 1))
+    step = (HIGH / LOW) ** (1.0 / (N_DISTURBANCE_LEVELS - 1))
     assert root / (1.3 * step) < np.sqrt(level.usual) < root * 1.3 * step
 
 

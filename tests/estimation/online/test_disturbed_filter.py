@@ -19,9 +19,9 @@ from cartgrasp.simulation.pushed_plant import Push, PushedPlant
 from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
 from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
-from estimation.online.disturbance.disturbed_learning import QUICKER
-from estimation.online.disturbance.observer import SETTLED, USUAL_PERIOD, DisturbanceObserver
-from estimation.parameter_report import IDENTIFIABLE_SHARE
+from estimation.online.disturbance.disturbed_learning import FEEDFORWARD_RESPONSE_RATIO
+from estimation.online.disturbance.observer import NOMINAL_SAMPLE_PERIOD, NORMALISED_SETTLING_TIME, DisturbanceObserver
+from estimation.parameter_report import IDENTIFIABLE_STD_RATIO
 from planning import Controller, PathReference, chain, pause
 from planning.references import speed_change, turn
 
@@ -39,9 +39,9 @@ def test_its_answer_to_a_step_and_its_deviation_are_those_of_a_butterworth_filte
     """From velocities alone, of a mass on a rail, without noise that is not the velocity's."""
     rail = cg.CartModel(cg.Inertia(30.0, (0.0, 0.0), 2.0), cg.RollingConstraints(no_rotation=True))
     noise = FilterNoise(linear_velocity=0.005, disturbance=0.0, slip=0.0)
-    observer, push, response = DisturbanceObserver(rail, noise, 0.2, Prior()), 1.0, SETTLED / 0.2
+    observer, push, response = DisturbanceObserver(rail, noise, 0.2, Prior()), 1.0, NORMALISED_SETTLING_TIME / 0.2
     observed = observer.pushed(observer.start(0.0, np.zeros(3)), np.zeros(1), np.zeros((1, 1)))
-    times = USUAL_PERIOD * np.arange(1, 400)
+    times = NOMINAL_SAMPLE_PERIOD * np.arange(1, 400)
     answers = []
     for time in times:
         observed = observer.advanced(observed, float(time), np.zeros(0), rail.parameters)
@@ -76,7 +76,7 @@ def test_a_push_in_mujoco_is_known_to_its_deviation_within_a_fifth_of_a_second(f
     told = found[120]
     assert told.acts
     assert abs(told.wrench[0] - force) < 3 * told.std[0]
-    foretold = DisturbanceObserver(CART, NOISE, QUICKER * 0.2, Prior()).deviation  # 2.2 N
+    foretold = DisturbanceObserver(CART, NOISE, FEEDFORWARD_RESPONSE_RATIO * 0.2, Prior()).deviation  # 2.2 N
     assert told.std[0] == pytest.approx(foretold, rel=0.1)
     assert abs(told.wrench[1]) < 1.0
     assert f"± {told.std[0]:.0f} N, " in told.words
@@ -255,7 +255,7 @@ def test_what_may_be_a_load_leaves_nothing_sure(seed):
     mass, time = record.parameters["mass"], record.time
     (load,) = (effect for effect in case.cart.effects if isinstance(effect, PayloadChange))
     off = np.abs(mass.value - case.cart.phi_at(time)[:, 0])
-    is_sure = (mass.std < IDENTIFIABLE_SHARE * mass.std[0]) & (np.array(record.healths) == "ok")
+    is_sure = (mass.std < IDENTIFIABLE_STD_RATIO * mass.std[0]) & (np.array(record.healths) == "ok")
     wrong = is_sure & (off > 4.0 * mass.std) & (time > load.time)
     assert time[wrong].max() < load.time + 1.2
     assert off[-1] < 3.0 * mass.std[-1]

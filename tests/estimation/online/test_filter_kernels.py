@@ -15,7 +15,7 @@ from cartgrasp.motion import Measurement
 from cartgrasp.wheels import Wheel
 from estimation import FilterNoise, Prior
 from estimation.online.kernels import correction
-from estimation.online.kernels.tracked_motion import PATH_FLOOR
+from estimation.online.kernels.tracked_motion import MIN_PATH_STD
 from estimation.online.measured_motion import MeasuredMotion
 from estimation.online.regressor.motion_tracker import MotionTracker
 from estimation.online.schmidt_filter import SchmidtFilter
@@ -247,7 +247,7 @@ def test_tracking_and_smoothing_are_the_batch_solution():
     found = smoothed(tracker, weights), smoothed(tracker, np.zeros((1, 31)))
     n, h, jerk = 31, 0.01, 9.0
     block = np.array([[h**5 / 20, h**4 / 8, h**3 / 6], [h**4 / 8, h**3 / 3, h**2 / 2], [h**3 / 6, h**2 / 2, h]]) * jerk
-    block[0, 0] += PATH_FLOOR**2
+    block[0, 0] += MIN_PATH_STD**2
     forth = np.array([[1, h, h * h / 2], [0, 1, h], [0, 0, 1]])
     information, pull = np.zeros((3 * n, 3 * n)), np.zeros(3 * n)
     information[:3, :3] = np.diag(1 / (np.array([0.001**2, 1.0, 9.0]) + 1e-10))
@@ -256,8 +256,8 @@ def test_tracking_and_smoothing_are_the_batch_solution():
         row[:, 3 * k : 3 * k + 3], row[:, 3 * k + 3 : 3 * k + 6] = -forth, np.eye(3)
         information += row.T @ np.linalg.solve(block, row)
         i = 3 * (k + 1)
-        information[i, i] += 1 / (0.001**2 + correction.FLOOR)
-        pull[i] += x[k] / (0.001**2 + correction.FLOOR)
+        information[i, i] += 1 / (0.001**2 + correction.MIN_ROW_VARIANCE)
+        pull[i] += x[k] / (0.001**2 + correction.MIN_ROW_VARIANCE)
     covariance = np.linalg.inv(information)
     mean = (covariance @ pull).reshape(n, 3)
     np.testing.assert_allclose(found[1].pose[:, 0], mean[:, 0], atol=1e-6)

@@ -8,7 +8,7 @@ import pytest
 from cartgrasp import CartModel, Inertia, Measurement
 from cartgrasp.effects import ViscousDrag
 from estimation import CartFilter, DisturbedFilter
-from estimation.online.frozen_wrenches import MANY, FrozenWrenches
+from estimation.online.frozen_wrenches import SENSOR_CALIBRATION_ROWS, FrozenWrenches
 
 CART = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
 HOLD = {"hand": np.array([-0.25, 0.0, 1.0])}
@@ -27,22 +27,22 @@ def rows(count, noise):
 
 
 def test_a_sensor_that_tells_noise_never_stays_as_it_is():
-    felt = rows(MANY + 100, 0.1)
-    felt[MANY + 20 : MANY + 60] = felt[MANY + 19]
+    felt = rows(SENSOR_CALIBRATION_ROWS + 100, 0.1)
+    felt[SENSOR_CALIBRATION_ROWS + 20 : SENSOR_CALIBRATION_ROWS + 60] = felt[SENSOR_CALIBRATION_ROWS + 19]
     believed = told(felt)
-    assert believed[: MANY + 20].all()
-    assert believed[MANY + 60 :].all()
-    assert not believed[MANY + 24 : MANY + 60].any()
+    assert believed[: SENSOR_CALIBRATION_ROWS + 20].all()
+    assert believed[SENSOR_CALIBRATION_ROWS + 60 :].all()
+    assert not believed[SENSOR_CALIBRATION_ROWS + 24 : SENSOR_CALIBRATION_ROWS + 60].any()
 
 
 @pytest.mark.parametrize(
     "felt",
     [
-        np.repeat(rows(MANY, 0.0), 3, axis=0),
-        np.repeat(rows(MANY, 0.1), 3, axis=0),
-        np.concatenate([rows(MANY, 0.0), np.repeat(rows(1, 0.0), 200, axis=0)]),
-        np.concatenate([rows(MANY, 0.1), np.zeros((200, 6))]),
-        np.round(rows(3 * MANY, 0.1)),
+        np.repeat(rows(SENSOR_CALIBRATION_ROWS, 0.0), 3, axis=0),
+        np.repeat(rows(SENSOR_CALIBRATION_ROWS, 0.1), 3, axis=0),
+        np.concatenate([rows(SENSOR_CALIBRATION_ROWS, 0.0), np.repeat(rows(1, 0.0), 200, axis=0)]),
+        np.concatenate([rows(SENSOR_CALIBRATION_ROWS, 0.1), np.zeros((200, 6))]),
+        np.round(rows(3 * SENSOR_CALIBRATION_ROWS, 0.1)),
     ],
     ids=["held", "noisy and held", "no noise", "lets go", "coarse"],
 )

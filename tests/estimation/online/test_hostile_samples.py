@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
 from estimation.health import Health
-from estimation.online.late_samples import REACH, LateSamples
+from estimation.online.late_samples import MAX_SAMPLE_DELAY, LateSamples
 
 from ..runs import integrate, record, simulate, simulate_two_hands
 
@@ -61,7 +61,7 @@ class Diary:
         self.factors = noise_factors
 
 
-@given(st.lists(st.tuples(st.integers(0, 2000), st.integers(0, int(1200 * REACH))), min_size=1, max_size=60))
+@given(st.lists(st.tuples(st.integers(0, 2000), st.integers(0, int(1200 * MAX_SAMPLE_DELAY))), min_size=1, max_size=60))
 def test_every_sample_stands_where_it_belongs_or_is_refused(samples):
     """Milliseconds, and how late. Against sorting; only what is later than the reach may be refused."""
     arriving = [(time / 1000, late) for time, late in sorted(samples, key=sum)]
@@ -71,7 +71,7 @@ def test_every_sample_stands_where_it_belongs_or_is_refused(samples):
         if kept.take(sample):
             taken.append(sample)
         else:
-            assert newest - time > REACH or time < taken[0].time
+            assert newest - time > MAX_SAMPLE_DELAY or time < taken[0].time
         newest = max(newest, time)
         assert kept.state.time == pytest.approx(max(m.time for m in taken), abs=1e-9)
     assert sorted(m.time for m in taken) == [m.time for m in kept.state.told]
@@ -83,7 +83,7 @@ def test_what_is_refused_leaves_the_reach_as_it_is():
     for k in range(200):
         assert kept.take(Measurement(0.01 * k))
         assert not kept.take(Measurement(0.01 * k - 0.5))
-    assert kept.take(Measurement(2.0 - REACH))
+    assert kept.take(Measurement(2.0 - MAX_SAMPLE_DELAY))
 
 
 def test_what_is_known_of_noise_stays_where_time_goes_back():

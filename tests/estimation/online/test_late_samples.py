@@ -9,7 +9,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 
 import cartgrasp as cg
-from estimation.online.late_samples import EVERY, REACH, LateSamples
+from estimation.online.late_samples import CHECKPOINT_INTERVAL, MAX_SAMPLE_DELAY, LateSamples
 
 
 @dataclass
@@ -33,7 +33,10 @@ class Diary:
         pass
 
 
-@given(st.lists(st.floats(0.0, REACH - EVERY - 0.01), min_size=1, max_size=120), st.sampled_from([0.002, 0.01, 0.03]))
+@given(
+    st.lists(st.floats(0.0, MAX_SAMPLE_DELAY - CHECKPOINT_INTERVAL - 0.01), min_size=1, max_size=120),
+    st.sampled_from([0.002, 0.01, 0.03]),
+)
 def test_any_order_comes_to_the_same(lateness, period):
     samples = LateSamples(Diary())
     stamps = [period * k for k in range(len(lateness))]

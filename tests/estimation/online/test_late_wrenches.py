@@ -11,7 +11,7 @@ from estimation import FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.online.kernels.row_algebra import Smoothed, weights
-from estimation.online.kernels.row_parts import USUALLY_LATE
+from estimation.online.kernels.row_parts import NOMINAL_DELAY_PERIODS
 from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.motion_tracker import MotionTracker
 from estimation.whole_log.replay import replay
@@ -87,7 +87,7 @@ def test_lateness_is_learned_and_moves_nothing(late, force):
     moved = broken_sensors.late(late)(log)
     estimator = RegressorEstimator(GUESS, ["hand"], noise=noise_of_log(moved, GUESS))
     last = replay(moved, estimator).last
-    assert estimator.lateness == pytest.approx(late - USUALLY_LATE * 0.01, abs=0.004 if force < 1 else 0.015)
+    assert estimator.lateness == pytest.approx(late - NOMINAL_DELAY_PERIODS * 0.01, abs=0.004 if force < 1 else 0.015)
     assert last.health == "ok"
     for name, true in zip(("mass", "com_x", "com_y", "viscous_drag.linear"), (24.0, 0.28, 0.06, 3.0), strict=True):
         told = last.parameters[name]

@@ -15,10 +15,10 @@ from cartgrasp.frames import body_to_world, rotation_planar
 from cartgrasp.rigid_body import regressor_b
 from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian
-from estimation.online.disturbance.observer import USUAL_PUSH, DisturbanceObserver
-from estimation.online.kernels.correction import FLOOR
-from estimation.online.kernels.observed_motion import SURPRISING
-from estimation.online.kernels.observed_wrench import MAX_STEP
+from estimation.online.disturbance.observer import PUSH_FORCE_STD, DisturbanceObserver
+from estimation.online.kernels.correction import MIN_ROW_VARIANCE
+from estimation.online.kernels.observed_motion import SURPRISE_CHI2
+from estimation.online.kernels.observed_wrench import MAX_OBSERVER_STEP
 from estimation.online.load_change import load_covariance
 
 from ...core.drawn import CONSTRAINTS, SHOPPING_CART, vectors
@@ -63,7 +63,7 @@ def stepped(of, seen, time, memory, theta):
     cart, noise, k = of.cart, NOISE, seen.k
     lift, belief, at = cart.planar_wrench(np.eye(k)).T, seen.belief, seen.time
     n, moved, walk = 3 + 2 * k, slice(3 + k), np.arange(3 + k, 3 + 2 * k)
-    count = int(np.ceil((time - at) / MAX_STEP - 1e-6))
+    count = int(np.ceil((time - at) / MAX_OBSERVER_STEP - 1e-6))
     step = (time - at) / count
     for i in range(count):
         mean = belief.mean
@@ -139,14 +139,14 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago):
         assert found is seen
         return
     H, R, residual, belief = np.eye(3 + k, 3 + 2 * k)[told], R[np.ix_(told, told)], residual[told], seen.belief
-    floor = FLOOR * np.eye(len(R))  # which kernels put under what they factorise
+    floor = MIN_ROW_VARIANCE * np.eye(len(R))  # which kernels put under what they factorise
     square = innovation(belief, residual, H, R + floor).nis
-    if abs(square - SURPRISING) < 1e-6:
+    if abs(square - SURPRISE_CHI2) < 1e-6:
         return  # rounding decides
-    now = surprised + 1 if square > SURPRISING else 0
+    now = surprised + 1 if square > SURPRISE_CHI2 else 0
     if now > 1:
-        P, since, stronger = belief.covariance.copy(), max(now * MAX_STEP, ago), 2.0 ** min(now - 2, 5)
-        usual = np.diag((stronger * USUAL_PUSH * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
+        P, since, stronger = belief.covariance.copy(), max(now * MAX_OBSERVER_STEP, ago), 2.0 ** min(now - 2, 5)
+        usual = np.diag((stronger * PUSH_FORCE_STD * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
         moments = [[since**2 / 3, since / 2], [since / 2, 1.0]]  # of nu' for a while, and of d
         to_nu = np.diag(1.0 / of._inertias)
         lever = np.block([[to_nu, np.zeros((k, k))], [np.zeros((k, k)), np.eye(k)]])
@@ -156,11 +156,11 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago):
         squares = np.diagonal(to_nu @ usual @ to_nu) @ np.square(ways)
         P[np.arange(3), np.arange(3)] += since**4 / 20 * np.array([squares[0] + squares[1]] * 2 + [squares[2]])
         opened = Gaussian(belief.mean, P)
-        if innovation(opened, residual, H, R + floor).nis <= SURPRISING:
+        if innovation(opened, residual, H, R + floor).nis <= SURPRISE_CHI2:
             belief, now, square = opened, 1, 0.0
             event("explained by a push")
     news = innovation(belief, residual, H, R)
-    wider = max(1.0, square / SURPRISING)
+    wider = max(1.0, square / SURPRISE_CHI2)
     R = R + (wider - 1.0) * news.covariance
     expected = updated(belief, innovation(belief, residual, H, R), H, R)
     scale = np.abs(expected.covariance).max()

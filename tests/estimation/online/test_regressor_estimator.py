@@ -15,7 +15,7 @@ from estimation import FilterNoise, Prior, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.online.kernels.row_algebra import FilteredRow, Smoothed, weights
-from estimation.online.kernels.row_parts import RATE
+from estimation.online.kernels.row_parts import FILTER_RATE
 from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
 from estimation.online.regressor.filtered_row import Block, filtered_row
@@ -54,14 +54,14 @@ def test_a_block_is_what_is_new_of_a_filter():
 
     def follow(value):
         flow = solve_ivp(
-            lambda t, y: RATE * (value(t) - y), (time[0], time[-1]), [0.7], rtol=1e-9, atol=1e-11, max_step=1e-3
+            lambda t, y: FILTER_RATE * (value(t) - y), (time[0], time[-1]), [0.7], rtol=1e-9, atol=1e-11, max_step=1e-3
         )
         return flow.y[0, -1]
 
     one = weights(time, 1)
     linear = follow(lambda t: np.interp(t, time, knots)) - one.fade * 0.7
     held = follow(lambda t: knots[min(np.searchsorted(time, t, "right") - 1, 10)]) - one.fade * 0.7
-    assert one.fade == pytest.approx(np.exp(-RATE * (time[-1] - time[0])))
+    assert one.fade == pytest.approx(np.exp(-FILTER_RATE * (time[-1] - time[0])))
     assert one.linear @ knots == pytest.approx(linear, abs=1e-7)
     assert one.held @ knots[:-1] == pytest.approx(held, abs=1e-4)
 
@@ -140,7 +140,7 @@ def test_what_is_not_linear_is_noise_and_bias_while_little_is_known():
     at = cart.inverse(rows[0], rows[1], cart.parameters)
     moved = cart.required_wrench(*rows, cart.parameters + drawn)
     missed = moved - at.wrench - np.einsum("nfp,np->nf", at.by_parameters, drawn)
-    gain = 1 - np.exp(-RATE * 0.15)
+    gain = 1 - np.exp(-FILTER_RATE * 0.15)
     assert row.curvature == pytest.approx(gain**2 * np.cov(missed.T), rel=0.05, abs=1e-9)
     assert row.curvature[0, 0] == pytest.approx((gain * 4.0 * 9.81) ** 2 * (2 * 0.004**2 + 0.005**2), rel=0.02)
     assert straight.residual - row.residual == pytest.approx(gain * missed.mean(axis=0), rel=0.05, abs=1e-9)
@@ -151,14 +151,14 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, around=lambda: 4.0, 
     """Of a mass of 5 pushed by itself, around what is believed: rises of a velocity that is sensed, and a force."""
     fade = 0.7
     rises, errors = scale * random.standard_normal(n), noise_of_velocity * random.standard_normal(n + 1)
-    forces = 5.0 * RATE * rises + force_noise * random.standard_normal(n)
+    forces = 5.0 * FILTER_RATE * rises + force_noise * random.standard_normal(n)
     variance, noise = np.array([[noise_of_velocity**2]]), np.array([[force_noise**2]])
     for k in range(n):
-        at, rise = around(), RATE * (rises[k] + errors[k + 1] - fade * errors[k])
+        at, rise = around(), FILTER_RATE * (rises[k] + errors[k + 1] - fade * errors[k])
         yield FilteredRow(
             residual=np.array([forces[k] - at * rise]),
             slopes=np.array([[rise, 0.0]]),
-            ends=np.array([[-RATE * at]]),
+            ends=np.array([[-FILTER_RATE * at]]),
             fade=fade,
             noise=noise,
             before=variance,
@@ -197,7 +197,7 @@ def belief(first=4.0):
 @pytest.mark.long
 def test_rows_add_up_to_generalised_least_squares(monkeypatch):
     """Neighbours share an end, and noise: their covariance written out, and inverted at once."""
-    monkeypatch.setattr(regression_belief, "KEPT", 1.0)
+    monkeypatch.setattr(regression_belief, "ROW_FORGETTING_FACTOR", 1.0)
     rows, found = list(drawn_rows(30, np.random.default_rng(1), is_naive=True)), belief()
     for row in rows:
         found.update(row, np.array([4.0]))
@@ -261,7 +261,7 @@ def test_only_what_is_excited_is_forgotten():
             found.update(row, np.array([4.0, 4.0]))
     own = 0.09 + 1.0 + 0.49
     assert found.parameters.covariance[1, 1] ** 0.5 == pytest.approx(before, rel=1e-6)
-    lasting = 1 / (1 - regression_belief.KEPT)
+    lasting = 1 / (1 - regression_belief.ROW_FORGETTING_FACTOR)
     assert (
         own / (2 * lasting) ** 0.5 > found.parameters.covariance[0, 0] ** 0.5 * own**0.5 > 0.1 * (own / lasting) ** 0.5
     )

@@ -11,7 +11,7 @@ from cartgrasp import CartModel, Inertia, Measurement
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.motion import Motion
 from estimation import CartFilter, DisturbedFilter
-from estimation.online.repeated_poses import MANY, RepeatedPoses
+from estimation.online.repeated_poses import REST_CALIBRATION_POSES, RepeatedPoses
 
 CART = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
 FAST, REST = (Motion(np.zeros(3), np.array([u, 0.0])) for u in (0.4, 0.0))
@@ -46,12 +46,12 @@ def test_a_pose_again_is_none_where_the_cart_moves(motion, is_same):
 
 def test_a_sensor_that_tells_its_noise_at_rest_never_repeats_itself():
     watch, random = RepeatedPoses(), np.random.default_rng(0)
-    for k in range(MANY):
+    for k in range(REST_CALIBRATION_POSES):
         last = Measurement(0.01 * k, POSE + 1e-4 * random.normal(size=3))
         assert watch.news(last, REST) is last
     assert watch.news(replace(last, time=9.0), REST).pose is None
     coarse = RepeatedPoses()
-    for k in range(2 * MANY):
+    for k in range(2 * REST_CALIBRATION_POSES):
         last = Measurement(0.01 * k, POSE + 1e-3 * (k % 7 == 0))
         assert coarse.news(last, REST) is last
 

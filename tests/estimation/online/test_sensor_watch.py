@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
 from estimation.online.sensor_watch import SensorWatch
-from estimation.online.watched_block import HEADINGS, poses_of, velocities_of, wrenches_of
+from estimation.online.watched_block import HEADING_FACTORS, poses_of, velocities_of, wrenches_of
 from estimation.whole_log.replay import replay
 
 from ..runs import simulate, simulate_two_hands
@@ -183,7 +183,7 @@ def test_block_means():
     assert time == pytest.approx(np.mean(log.time[300:325]))
     assert place == pytest.approx(log.pose[300:325, :2].mean(axis=0))
     theta = np.unwrap(log.pose[300:325, 2]).mean()
-    assert np.exp(1j * np.array(headings)) == pytest.approx(np.exp(1j * np.array(HEADINGS) * theta), abs=1e-6)
+    assert np.exp(1j * np.array(headings)) == pytest.approx(np.exp(1j * np.array(HEADING_FACTORS) * theta), abs=1e-6)
     velocity, noise = velocities_of(rows)
     assert velocity == pytest.approx(log.velocity[300:325].mean(axis=0))
     assert np.sqrt(noise) == pytest.approx([0.005, 0.005], rel=0.5)

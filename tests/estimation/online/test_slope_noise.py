@@ -8,7 +8,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from numba import njit
 
-from estimation.online.kernels.row_parts import STANDS_OUT
+from estimation.online.kernels.row_parts import SIGNIFICANCE_SIGMAS
 from estimation.online.kernels.slope_noise import SlopeNoise, told_by
 
 from ...core.drawn import vectors
@@ -40,7 +40,7 @@ def test_in_one_direction_it_is_godambes_information():
         since([[noise]], n * (noise / n / first) ** 2, [4.0], np.array([[1.0 / first]])),
     )
     slope, share = 1.0 - noise / rows, noise / rows
-    weight = 1.0 - STANDS_OUT**2 * 2.0 / n * share**2 / slope**2
+    weight = 1.0 - SIGNIFICANCE_SIGMAS**2 * 2.0 / n * share**2 / slope**2
     varies = 1.0 + share + noise / first / n * share * (1.0 + share * rows / noise)
     information = weight * slope**2 * rows / varies
     assert found[0][0, 0] == pytest.approx(first + information, rel=2e-3)

@@ -21,11 +21,11 @@ from estimation.online.regressor.load_watch import LoadWatch
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from estimation.online.regressor.trial import (
-    LEAST,
-    LONGEST,
-    OVER,
-    SETTING_IN,
-    STEADY,
+    CHANGE_ONSET_ROWS,
+    MAX_HYPOTHESES_ROWS,
+    MIN_LOAD_BLOCKS,
+    PUSH_END_ROWS,
+    PUSH_STEP_STD_RATIO,
     Beginning,
     Taken,
 )
@@ -83,11 +83,11 @@ def test_odds_are_a_ratio_of_likelihoods():
     """Of three rows after those in which it sets in: of a load, jointly normal; of a push, steady over two more rows
     and gone in the third."""
     rises, forces, gain = np.array([0.6, 0.5, 0.4]), np.array([14.0, 12.0, 8.4]), 1.0 - FADE
-    setting_in = [row(0.5, 12.0)] * SETTING_IN
+    setting_in = [row(0.5, 12.0)] * CHANGE_ONSET_ROWS
     found = trial([*setting_in, *(row(*one) for one in zip(rises, forces, strict=True))])
     loaded = NOISE * np.eye(3) + (KNOWN + LOAD[0, 0]) * np.outer(rises, rises)
     of_load = log_density(forces, MASS * rises, loaded)
-    spread, news, steady = KNOWN * rises**2 + NOISE, 2.0, (gain * STEADY) ** 2 * USUAL[0, 0]
+    spread, news, steady = KNOWN * rises**2 + NOISE, 2.0, (gain * PUSH_STEP_STD_RATIO) ** 2 * USUAL[0, 0]
     pushed = [log_density(forces[i], MASS * rises[i] + news, spread[i] + steady) for i in (0, 1)]
     third = log_density(forces[2], MASS * rises[2], spread[2])
     (changed,) = found.changed
@@ -102,22 +102,22 @@ def test_odds_are_a_ratio_of_likelihoods():
 
 def test_a_load_goes_on_and_a_push_ends():
     random = np.random.default_rng(0)
-    rises = random.uniform(0.3, 0.8, LONGEST)
-    noise = math.sqrt(NOISE) * random.standard_normal(LONGEST)
-    load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:LEAST], noise, strict=False)])
+    rises = random.uniform(0.3, 0.8, MAX_HYPOTHESES_ROWS)
+    noise = math.sqrt(NOISE) * random.standard_normal(MAX_HYPOTHESES_ROWS)
+    load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:MIN_LOAD_BLOCKS], noise, strict=False)])
     assert load.is_told
     assert load.is_over
     assert load.belief.parameters.mean[0] == pytest.approx(26.0, abs=3 * load.belief.parameters.covariance[0, 0] ** 0.5)
-    pushes = [-3.0, -3.2, -2.8, *np.zeros(OVER)]
+    pushes = [-3.0, -3.2, -2.8, *np.zeros(PUSH_END_ROWS)]
     push = trial([row(r, MASS * r + p + e) for r, p, e in zip(rises, pushes, noise, strict=False)])
     assert push.is_over
     assert not push.is_loaded
     assert abs(push.belief.parameters.mean[0] - MASS) < 3 * push.belief.parameters.covariance[0, 0] ** 0.5 < 1.0
-    wild = 8.0 * random.standard_normal(LONGEST)
+    wild = 8.0 * random.standard_normal(MAX_HYPOTHESES_ROWS)
     endless = trial([row(r, MASS * r + p) for r, p in zip(rises, wild, strict=True)])
     assert endless.is_over
     assert endless.is_endless
-    early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: LEAST - 1], noise, strict=False)])
+    early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: MIN_LOAD_BLOCKS - 1], noise, strict=False)])
     assert not early.is_over  # a push may last so long
     assert early.without_link(is_still=True).is_over  # nothing more is learned
     assert not early.without_link(is_still=False).is_over
@@ -138,20 +138,20 @@ def test_what_is_not_told_apart_is_as_wide_as_both(told):
 
 def test_no_load_is_told_before_it_is_sure():
     """However likely it is by then."""
-    rises = np.full(LEAST - 1, 0.5)
+    rises = np.full(MIN_LOAD_BLOCKS - 1, 0.5)
     found = trial([row(r, 26.0 * r) for r in rises])
     (load,) = found.changed
     assert load.odds > 3.0
     assert not found.is_loaded or not found.is_over
-    undecided = trial([row(0.1, 2.02)] * (SETTING_IN + 2))
+    undecided = trial([row(0.1, 2.02)] * (CHANGE_ONSET_ROWS + 2))
     assert undecided.belief.parameters.mean[0] == pytest.approx(undecided.pushed.belief.parameters.mean[0])
     assert undecided.belief.parameters.covariance[0, 0] > undecided.pushed.belief.parameters.covariance[0, 0]
 
 
 def test_what_surprises_thrice_speaks_against_the_model():
     """Told apart or not; but not another floor."""
-    load = trial([row(0.5, 13.0)] * LEAST)
-    unsure = trial([row(1e-6, 0.0)] * LONGEST)
+    load = trial([row(0.5, 13.0)] * MIN_LOAD_BLOCKS)
+    unsure = trial([row(1e-6, 0.0)] * MAX_HYPOTHESES_ROWS)
     floor = replace(load, changed=tuple(one._replace(is_load=False) for one in load.changed))
     assert load.is_loaded
     assert not unsure.is_loaded

@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.signal import lfilter
 
-from estimation.online.whiteness import SPAN, Whiteness
+from estimation.online.whiteness import INNOVATION_SPAN, Whiteness
 
 
 def told(innovations, variance, rate=10.0):
@@ -34,13 +34,13 @@ def test_those_that_remember_are_not(memory):
     random = np.random.default_rng(4)
     pulls = lfilter([(1 - memory**2) ** 0.5], [1.0, -memory], random.standard_normal((60_000, 2)), axis=0)
     levels = [told(part, np.eye(2)).level for part in np.split(pulls, 100)]
-    n, gap = 10 * SPAN, 1 - memory
+    n, gap = 10 * INNOVATION_SPAN, 1 - memory
     expected = (1 + memory) / gap - 2 * memory * (1 - memory**n) / (n * gap**2)
     assert np.mean(levels) == pytest.approx(expected, rel=0.15)
     assert told(pulls, np.eye(2)).is_coloured
 
 
 def test_what_was_summed_before_an_interruption_is_forgotten():
-    found = told(np.full((round(10 * SPAN), 1), 9.0), np.eye(1)).interrupted()
+    found = told(np.full((round(10 * INNOVATION_SPAN), 1), 9.0), np.eye(1)).interrupted()
     assert found.level == 1.0
     assert not told(np.zeros((600, 1)), np.eye(1)).is_coloured

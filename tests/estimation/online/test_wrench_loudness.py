@@ -15,7 +15,7 @@ from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
 from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, Job, drive_cart, guess
 from estimation import CartFilter
 from estimation.online.regressor.regression_belief import Innovation
-from estimation.online.regressor.wrench_loudness import LEVELS, WrenchLoudness
+from estimation.online.regressor.wrench_loudness import NOISE_VARIANCE_FACTORS, WrenchLoudness
 
 ELSE = np.array([[0.02, 0.001], [0.001, 0.004]])
 WHITE = np.diag([0.5, 0.06])
@@ -43,7 +43,7 @@ def drawn(seed, loudness, n=300):
 
 
 @settings(max_examples=30, deadline=None)
-@given(loudness=st.floats(1.0, LEVELS[-1]), seed=st.integers(0, 2**32 - 1))
+@given(loudness=st.floats(1.0, NOISE_VARIANCE_FACTORS[-1]), seed=st.integers(0, 2**32 - 1))
 def test_it_finds_how_loud_rows_are_drawn(loudness, seed):
     """Levels are a factor of two apart, and louder ones are rarer."""
     assert loudness / 2.2 < told(drawn(seed, loudness)) < 1.8 * loudness
