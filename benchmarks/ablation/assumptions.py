@@ -17,65 +17,67 @@ ASSUMPTIONS = (
     *_of(
         "weak_form.balances",
         {
-            "STILL_DEVIATIONS": "of the smooth speed: a cart that seems to go slower may stand",
+            "STILL_SPEED_SIGMAS": "of the smooth speed: a cart that seems to go slower may stand",
         },
     ),
     *_of(
         "weak_form.band",
         {
-            "LAGS": "rows over which residuals are correlated",
-            "RICH": "forms of force that say nothing of the mass",
+            "NEWEY_WEST_LAGS": "rows over which residuals are correlated",
+            "NUISANCE_EFFECTS": "forms of force that say nothing of the mass",
         },
     ),
-    *_of("weak_form.motion", {"LONGEST_GAP": "beyond it nobody knows what happened"}),
+    *_of("weak_form.motion", {"MAX_GAP_STEPS": "beyond it nobody knows what happened"}),
     *_of(
         "weak_form.rows",
         {
-            "FORM_SHARE": "of wrenches, by which the form of a body is wrong",
-            "EFFECT_SHARE": "of an effect, by which its form is wrong",
-            "REST_SPEED": "below it dry friction takes any value",
-            "SWING_WAY": "way on which casters swing round",
-            "ON_CASTERS": "of the weight",
-            "SOFT_EDGE": "width of a place's edge",
-            "SOFT_SHARE": "of its duration, in which a push rises",
-            "SOFT_ONSET": "time in which a load is put on",
-            "LEAST_FORM": "share by which forms are wrong at least",
-            "POISED_BY": "deviations of the yaw rate by which casters that a reversal left poised may be off",
-            "STAYS_POISED": "for how long casters may stay on their turning point",
-            "BELIEVED": "rows near standstill that count as if friction were as wrong there as it may be",
-            "LONGEST_MEMORY": "of sensors' noise",
-            "LOUDEST": "times the noise from sample to sample: how loud a sensor may be over a row",
+            "BODY_FORM_ERROR_RATIO": "of wrenches, by which the form of a body is wrong",
+            "EFFECT_FORM_ERROR_RATIO": "of an effect, by which its form is wrong",
+            "DRY_FRICTION_SPEED": "below it dry friction takes any value",
+            "CASTER_SWING_DISTANCE": "way on which casters swing round",
+            "CASTER_WEIGHT_FRACTION": "of the weight",
+            "SOFT_EDGE_WIDTH": "width of a place's edge",
+            "PUSH_RISE_FRACTION": "of its duration, in which a push rises",
+            "LOAD_ONSET_TIME": "time in which a load is put on",
+            "MIN_FORM_ERROR_RATIO": "share by which forms are wrong at least",
+            "POISED_YAW_RATE_SIGMAS": (
+                "deviations of the yaw rate by which casters that a reversal left poised may be off"
+            ),
+            "MAX_POISED_TIME": "for how long casters may stay on their turning point",
+            "PRIOR_FRICTION_ROWS": "rows near standstill that count as if friction were as wrong there as it may be",
+            "MAX_NOISE_CORRELATION_TIME": "of sensors' noise",
+            "MAX_NOISE_SCALE": "times the noise from sample to sample: how loud a sensor may be over a row",
         },
     ),
     *_of(
         "weak_form.score",
         {
-            "PIECE": "as long as what is left out belongs together that happens once",
-            "STRETCH": "as long as what is left out belongs together that holds everywhere",
+            "MIN_PIECE_DURATION": "as long as what is left out belongs together that happens once",
+            "MIN_STRETCH_DURATION": "as long as what is left out belongs together that holds everywhere",
         },
     ),
     *_of(
         "weak_form.sensor_noise",
         {
-            "AVERAGED": "blocks over which a sensor's noise remembers",
+            "AVERAGING_TIMES": "blocks over which a sensor's noise remembers",
         },
     ),
-    *_of("weak_form.splines", {"OUTLYING": "deviations from which on a sample counts for less"}),
+    *_of("weak_form.splines", {"OUTLIER_SIGMAS": "deviations from which on a sample counts for less"}),
     *_of(
         "weak_form.steps",
         {
-            "WHOLE": "of a step, how far a change is from whole ones",
-            "MOST_CHANGES": "share of changes that are whole steps",
-            "COUNTED": "steps that are counted at most",
+            "WHOLE_STEP_TOLERANCE": "of a step, how far a change is from whole ones",
+            "MIN_WHOLE_STEP_FRACTION": "share of changes that are whole steps",
+            "MAX_COUNTED_STEPS": "steps that are counted at most",
         },
     ),
     *_of(
         "weak_form.standing",
         {
-            "MOMENT": "who turns back does not stand for as long",
-            "G": "gravity",
-            "HELD": "of the weight, what a hand or a chock holds",
-            "FRICTION": "half of a usual coefficient of rolling resistance: dry friction at rest",
+            "MAX_REVERSAL_TIME": "who turns back does not stand for as long",
+            "GRAVITY": "gravity",
+            "HELD_WEIGHT_FRACTION": "of the weight, what a hand or a chock holds",
+            "FRICTION_COEFFICIENT": "half of a usual coefficient of rolling resistance: dry friction at rest",
         },
     ),
     *_of(
@@ -106,7 +108,7 @@ ASSUMPTIONS = (
     *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(
         "weak_form.flights",
-        {"TOUCH": "how long a touch lasts", "NEAR": "how near a stop a cart leans on it"},
+        {"IMPACT_MARGIN": "how long a touch lasts", "MIN_STOP_DISTANCE": "how near a stop a cart leans on it"},
     ),
     *_of(
         "discrepancy.search.laws",
@@ -163,6 +165,6 @@ ASSUMPTIONS = (
     Constant("discrepancy.search.plausible", "USUAL", B, (), "what every cart has, or every chain of sensors"),
     Constant("discrepancy.search.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
     Constant("discrepancy.search.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
-    Constant("weak_form.band", "INERTIAL", B, (), "names that nobody gets who does not push"),
+    Constant("weak_form.band", "INERTIAL_EFFECTS", B, (), "names that nobody gets who does not push"),
     Constant("discrepancy.search.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
 )

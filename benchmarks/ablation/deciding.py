@@ -12,10 +12,12 @@ NEVER = 1e9
 
 DECIDING = (
     # the band in which the search is made
-    Constant("weak_form.band", "FAR", A, inf, "deviations by which a narrower band's mass is another"),
-    Constant("weak_form.band", "FAR_SHARE", A, 0.0, "share of the mass by which a narrower band's is another"),
-    Constant("weak_form.band", "LEAST_KNOWN", A, inf, "scatter of the mass beyond which a band says nothing"),
-    Constant("weak_form.band", "AS_WELL", A, inf, "times the least deviation of a mass, in a band that is taken"),
+    Constant("weak_form.band", "BAND_MASS_SIGMAS", A, inf, "deviations by which a narrower band's mass is another"),
+    Constant("weak_form.band", "BAND_MASS_RATIO", A, 0.0, "share of the mass by which a narrower band's is another"),
+    Constant("weak_form.band", "MAX_MASS_STD_RATIO", A, inf, "scatter of the mass beyond which a band says nothing"),
+    Constant(
+        "weak_form.band", "COMPARABLE_STD_RATIO", A, inf, "times the least deviation of a mass, in a band that is taken"
+    ),
     # what is tried
     Constant("discrepancy.search.screening", "LEAST_SIDE", A, 0.0, "time before and after a lasting change"),
     # what is added and dropped

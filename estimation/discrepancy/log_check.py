@@ -18,7 +18,7 @@ from ..sensor_check import Suspicion
 from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps
 from ..weak_form.balances import Balances
-from ..weak_form.integrals import SUPPORT
+from ..weak_form.integrals import SPLINE_SUPPORT
 from ..weak_form.motion import Motion
 from .clock_offset import ClockOffset
 
@@ -172,7 +172,7 @@ def _percentiles(values: Array, shares: tuple[float, ...]) -> tuple[float, ...]:
 def moves(balances: Balances) -> bool:
     """Whether the cart moves for at least as long as the shortest test function lasts."""
     fast = (balances.turning_speed > balances.still_speed) & balances.motion.seen
-    size = SUPPORT * balances.every(0.0).per_row
+    size = SPLINE_SUPPORT * balances.every(0.0).per_row
     return bool((np.convolve(fast, np.ones(size), "valid") > size - 0.5).any())
 
 

@@ -17,7 +17,7 @@ from scipy.sparse import csr_array
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..weak_form.splines import DEGREE, SplineBasis
+from ..weak_form.splines import SPLINE_DEGREE, SplineBasis
 
 WIDTH = 0.8
 """s, of a window; starts and stops of carts take about as long."""
@@ -91,19 +91,19 @@ class Windows:
         slowest = max(float(np.median(np.diff(time))) for time in times)
         first, last = max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
         width = WIDTH
-        found = cls(first, last, width / (DEGREE + 1))
-        is_whole = (FEWEST + DEGREE) * found.step < last - first < MOST * found.step
+        found = cls(first, last, width / (SPLINE_DEGREE + 1))
+        is_whole = (FEWEST + SPLINE_DEGREE) * found.step < last - first < MOST * found.step
         return found if slowest * MEASURED <= 2 * width and is_whole else None
 
     @cached_property
     def basis(self) -> SplineBasis:
-        return SplineBasis(self.first, self.step, int((self.last - self.first) / self.step) + DEGREE)
+        return SplineBasis(self.first, self.step, int((self.last - self.first) / self.step) + SPLINE_DEGREE)
 
     def on(self, time: Array, late: float = 0.0) -> Sums:
         """The windows' sums over samples at times (n,), each taken `late` s after what it tells."""
         basis, steps, middle = self.basis, np.diff(time), _middles(time) - late
-        inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - DEGREE))
-        whole = slice(DEGREE, basis.count - DEGREE)
+        inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - SPLINE_DEGREE))
+        whole = slice(SPLINE_DEGREE, basis.count - SPLINE_DEGREE)
         value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
         has_hole = value @ (steps > HOLE).astype(float) > 0
         covered = ~has_hole & (np.abs(value @ steps / self.step - 1) < COVERED)

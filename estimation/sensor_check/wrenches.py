@@ -24,7 +24,7 @@ from cartgrasp.wheels import CASTER
 
 from ..log_noise.log_noise import noise_floor
 from ..weak_form.balances import Balances
-from ..weak_form.band import RICH
+from ..weak_form.band import NUISANCE_EFFECTS
 from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities
 from .suspicion import SURE, TOLD, UNIT_TOLD, Suspicion
 from .wrench_readings import UNIT_ODDS, UNITS, Mounting, mountings
@@ -222,7 +222,9 @@ def balances_of(balances: Balances, cart: CartModel) -> Known | None:
     signals, slopes = _signals(balances, cart), balances.residual(cart)[1]
     casters = (CasterRealignment(),) if any(wheel.kind == CASTER for wheel in cart.wheels) else ()
     taken = {effect.name for effect in cart.effects}
-    more: list[Effect] = [e for e in (ViscousDrag(), *RICH, WheelDragImbalance(), *casters) if e.name not in taken]
+    more: list[Effect] = [
+        e for e in (ViscousDrag(), *NUISANCE_EFFECTS, WheelDragImbalance(), *casters) if e.name not in taken
+    ]
     more = [e for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
     columns = [balances.columns(cart, e)[..., [not p.optional for p in e.parameters]] for e in more]
     whole = np.concatenate([slopes, *columns], axis=2)

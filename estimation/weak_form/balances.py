@@ -27,7 +27,7 @@ from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
 from ..standstill import HALF_TRACK, STANDSTILL_SPEED
-from .integrals import CHUNK, Integrals
+from .integrals import GRID_CHUNK_POINTS, Integrals
 from .motion import KNOT_STEPS, Motion, motion_of
 from .sensor_noise import noise_density
 from .wheel_tracks import touches
@@ -35,9 +35,9 @@ from .wrenches import Densities, GridWrenches
 
 POSE_STEP = 1e-4
 """Step (m, rad) of differences by {b}'s pose in the frame that is tracked."""
-STILL_DEVIATIONS = 2.0
+STILL_SPEED_SIGMAS = 2.0
 """Standard deviations of the smooth speed: a cart that seems to go slower may stand."""
-RIM = 0.1
+REGION_RIM_WIDTH = 0.1
 """Rim (m) around a region of the floor: beyond, its soft edge is not felt."""
 
 
@@ -138,7 +138,7 @@ class Balances:
     @property
     def still_speed(self) -> float:
         """Speed (m/s): a cart that seems to go slower may stand."""
-        return float(np.hypot(STANDSTILL_SPEED, STILL_DEVIATIONS * self.motion.rate_std[:2].max()))
+        return float(np.hypot(STANDSTILL_SPEED, STILL_SPEED_SIGMAS * self.motion.rate_std[:2].max()))
 
     @cached_property
     def integrals(self) -> Integrals:
@@ -263,7 +263,7 @@ class Balances:
         state = own._state(cart if isinstance(effect, SensorEffect) else whole)
         on = np.ones(len(state), dtype=bool)
         if effect.gate is Gate.INSIDE:  # or so near that its soft edge is felt
-            on = touches(own.motion.pose, effect.values[:4], cart.wheel_set, RIM)
+            on = touches(own.motion.pose, effect.values[:4], cart.wheel_set, REGION_RIM_WIDTH)
 
         def felt(part: slice) -> Array:
             return -own.wrenches.slopes(whole, own._needed(cart, state, part)[0], self._densities, part)[..., first:]
@@ -352,4 +352,4 @@ def wrench_densities(log: RunLog, told: FilterNoise | None, averaged: Sequence[f
 
 
 def _chunks(count: int) -> Iterator[slice]:
-    return (slice(first, first + CHUNK) for first in range(0, count, CHUNK))
+    return (slice(first, first + GRID_CHUNK_POINTS) for first in range(0, count, GRID_CHUNK_POINTS))

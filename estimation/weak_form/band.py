@@ -19,29 +19,35 @@ from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from .balances import Balances
-from .integrals import SUPPORT
+from .integrals import SPLINE_SUPPORT
 from .motion import KNOT_STEPS
 from .rows import wrench_noise
 
 ROW_STEPS = (0.025, 0.05, 0.1, 0.2, 0.4, 0.8, 1.6)
 """Steps (s) of the test functions that are tried, but for those that are finer than the motion is known (`KNOT_STEPS`).
 Half of the inverse is the band's upper end (Hz)."""
-FAR, FAR_SHARE = 3.0, 0.05
+BAND_MASS_SIGMAS, BAND_MASS_RATIO = 3.0, 0.05
 """Standard deviations of a narrower band's mass, and share of it, from which on it is another."""
-FEWEST = 12
+MIN_SPARE_ROWS = 12
 """Fewest rows beyond one for each column."""
-LAGS = 8
+NEWEY_WEST_LAGS = 8
 """Rows over which residuals may be correlated (Newey and West, 1987)."""
-RICH: tuple[Effect, ...] = (RollingResistance(), QuadraticDrag(), DirectionalDrag(), ForceBias(), FloorSlope())
+NUISANCE_EFFECTS: tuple[Effect, ...] = (
+    RollingResistance(),
+    QuadraticDrag(),
+    DirectionalDrag(),
+    ForceBias(),
+    FloorSlope(),
+)
 """What a residual is made of that says nothing about the mass."""
-INERTIAL = ("payload_change", "load_slosh")
+INERTIAL_EFFECTS = ("payload_change", "load_slosh")
 """Effects that change how much a push moves a cart."""
-TRACE = 1e-6
-EVERY = slice(None)
-AS_WELL = 2.0
+MIN_COLUMN_RATIO = 1e-6
+ALL_ROWS = slice(None)
+COMPARABLE_STD_RATIO = 2.0
 """Multiple of the least deviation that counts as good as it: that of a dozen rows is told to about a factor of two
 itself."""
-LEAST_KNOWN = 0.25
+MAX_MASS_STD_RATIO = 0.25
 """Largest scatter, as a share of the mass: with a larger one, a band says nothing of it."""
 
 
@@ -70,7 +76,7 @@ class Band:
     @property
     def deviation(self) -> float:
         """Deviation of the mass (kg): its scatter, half of the bracket, and by how much bands may differ that agree."""
-        return float(np.linalg.norm([self.std, self.bracket, FAR_SHARE * self.mass]))
+        return float(np.linalg.norm([self.std, self.bracket, BAND_MASS_RATIO * self.mass]))
 
     @property
     def share(self) -> float:
@@ -84,7 +90,7 @@ class Band:
 
     def agrees(self, narrower: Band) -> bool:
         """Whether the mass is that of a narrower band."""
-        return abs(self.mass - narrower.mass) < max(FAR * narrower.std, FAR_SHARE * narrower.mass)
+        return abs(self.mass - narrower.mass) < max(BAND_MASS_SIGMAS * narrower.std, BAND_MASS_RATIO * narrower.mass)
 
 
 def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -> list[Band]:
@@ -92,7 +98,7 @@ def bands(balances: Balances, cart: CartModel, guess: CartModel | None = None) -
     effects that a first `guess` does not have are left as they are."""
     span = float(balances.motion.time[-1] - balances.motion.time[0])
     finest = 2 * KNOT_STEPS * balances.motion.step * (1 - 1e-6)
-    fit = (step for step in ROW_STEPS if finest <= step < span / (FEWEST + SUPPORT))
+    fit = (step for step in ROW_STEPS if finest <= step < span / (MIN_SPARE_ROWS + SPLINE_SUPPORT))
     steps = [step for step in fit if balances.wrenches.arms]
     found = (band_in(balances.every(step), cart, guess or cart) for step in steps)
     return [band for band in found if band is not None]
@@ -118,7 +124,7 @@ def sharp(known: list[Band]) -> Band | None:
 def _told_as_well(known: list[Band], unsure: Callable[[Band], float]) -> Band | None:
     steady = [band for i, band in enumerate(known) if all(map(band.agrees, known[i + 1 :]))]
     least = min(map(unsure, steady), default=0.0)
-    return next((band for band in steady if unsure(band) <= AS_WELL * least), None)
+    return next((band for band in steady if unsure(band) <= COMPARABLE_STD_RATIO * least), None)
 
 
 def pooled(known: Sequence[tuple[Band, float]]) -> float:
@@ -127,22 +133,22 @@ def pooled(known: Sequence[tuple[Band, float]]) -> float:
     return sum(band.energy * share for band, share in known) / total if known else 0.0
 
 
-def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndarray | slice = EVERY) -> Band | None:
+def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndarray | slice = ALL_ROWS) -> Band | None:
     """Band of the rows' own test functions, from rows that are kept (k,); None where they don't tell the mass."""
     left, slopes = (rows[kept] for rows in balances.beside(None).residual(cart))
     taken = {effect.name for effect in cart.effects}
-    rich = [balances.columns(cart, e)[kept, 0] for e in RICH if e.name not in taken]
+    rich = [balances.columns(cart, e)[kept, 0] for e in NUISANCE_EFFECTS if e.name not in taken]
     known = {effect.key for effect in guess.effects}
-    loose = [e.key in known or e.name not in INERTIAL for e in cart.effects for _ in e.parameters]
+    loose = [e.key in known or e.name not in INERTIAL_EFFECTS for e in cart.effects for _ in e.parameters]
     own = slopes[:, 0, np.array([True] * N_PHI + loose)]
     others = np.column_stack([own[:, 1:], *rich])
     acceleration, force = own[:, 0], left[:, 0] + cart.inertia.mass * own[:, 0]
     sizes = np.linalg.norm(others, axis=0)
-    others = others[:, sizes > TRACE * sizes.max(initial=0.0)]
-    if len(force) < FEWEST or not (np.abs(force) > 0).any() or not (np.abs(acceleration) > 0).any():
+    others = others[:, sizes > MIN_COLUMN_RATIO * sizes.max(initial=0.0)]
+    if len(force) < MIN_SPARE_ROWS or not (np.abs(force) > 0).any() or not (np.abs(acceleration) > 0).any():
         return None
     basis = _orthogonal(others)
-    if len(force) < FEWEST + basis.shape[1]:
+    if len(force) < MIN_SPARE_ROWS + basis.shape[1]:
         return None
     x, y = (signal - basis @ (basis.T @ signal) for signal in (acceleration, force))
     size = float(x @ x)
@@ -152,10 +158,10 @@ def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndar
     excess = max(float(rest @ rest) / (len(rest) - basis.shape[1] - 1) - known, 0.0) * len(rest)
     moments = x * rest
     scatter = float(moments @ moments)
-    for lag in range(1, min(LAGS, len(moments) // 4) + 1):
-        scatter += 2 * (1 - lag / (LAGS + 1)) * float(moments[lag:] @ moments[:-lag])
+    for lag in range(1, min(NEWEY_WEST_LAGS, len(moments) // 4) + 1):
+        scatter += 2 * (1 - lag / (NEWEY_WEST_LAGS + 1)) * float(moments[lag:] @ moments[:-lag])
     std = float(np.sqrt(max(scatter, float(moments @ moments) / 4))) / size
-    if std > LEAST_KNOWN * mass:
+    if std > MAX_MASS_STD_RATIO * mass:
         return None
     noise = acceleration_noise(balances) ** 2 * len(rest)
     return Band(balances.row_step, mass, std, excess / (2 * mass * size), mass * noise / (2 * size), size)

@@ -15,7 +15,7 @@ from .coordinates import ParameterPrior, coordinates, jacobian
 from .linearized import Linearized, MostLikely
 from .whitening import Whitening
 
-ROUNDS, SETTLED = 12, 0.05
+MAX_LINEARISATIONS, CONVERGENCE_SIGMAS = 12, 0.05
 """Most rounds in which rows are made linear; standard deviations by which the last moves a coordinate at most."""
 
 
@@ -32,12 +32,12 @@ def fit(
 ) -> MostLikely:
     """The most likely cart, from this one on."""
     beside = [whiten(own) for (_, whiten), own in zip(logs, nuisance.columns, strict=True)]
-    for _ in range(ROUNDS):
+    for _ in range(MAX_LINEARISATIONS):
         information, pull = normal(logs, cart, beside, prior.free)
         found = Linearized(cart, prior, information, pull, nuisance.std).most_likely()
         moved = (coordinates(found.cart) - coordinates(cart))[prior.free]
         cart = found.cart
-        if (np.abs(moved) < SETTLED * np.sqrt(np.diagonal(found.covariance)[: len(moved)])).all():
+        if (np.abs(moved) < CONVERGENCE_SIGMAS * np.sqrt(np.diagonal(found.covariance)[: len(moved)])).all():
             break
     return found
 

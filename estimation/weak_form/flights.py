@@ -16,13 +16,13 @@ from ..impacts.end_stops import end_stops
 from ..impacts.impacts import Impact
 from .balances import Balances
 
-TOUCH = 0.05
+IMPACT_MARGIN = 0.05
 """Time (s) on each side of an impact, or a jump, that is left out: a touch, and how well it is timed."""
-NEAR = 0.03
+MIN_STOP_DISTANCE = 0.03
 """Distance (m) from a stop at which a cart leans on it, or hits it too softly to be seen."""
-LONGEST_HOLE = 30.0
+MAX_SEGMENT_POSE_GAP = 30.0
 """Time (s) without a pose, from which on a log is two: motion across it would only cost time."""
-SHORTEST = 1.0
+MIN_SEGMENT_DURATION = 1.0
 """Shortest part (s) that says anything."""
 
 
@@ -35,19 +35,19 @@ def pieces(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) 
     """The parts of the log's rows that `flights` takes."""
     away = np.ones(len(log), dtype=bool)
     for time in (*(impact.time for impact in impacts), *jumps):
-        away &= np.abs(log.time - time) > TOUCH
+        away &= np.abs(log.time - time) > IMPACT_MARGIN
     for stop in end_stops(impacts):
-        away &= ~(np.abs(log.pose[:, 0] - stop.position) < NEAR)
+        away &= ~(np.abs(log.pose[:, 0] - stop.position) < MIN_STOP_DISTANCE)
     edges = np.flatnonzero(np.diff(np.r_[False, away, False].astype(int)))
     parts = [
         rows_of(log, np.arange(first, last))
         for first, last in edges.reshape(-1, 2)
-        if log.time[last - 1] - log.time[first] > SHORTEST
+        if log.time[last - 1] - log.time[first] > MIN_SEGMENT_DURATION
     ]
     if not parts:
         raise DataError(
-            f"{log.name}: it is hit so often, or its pose jumps, that no {SHORTEST:g} s of it are left; record it "
-            "between stops, with a tracker that keeps the cart"
+            f"{log.name}: it is hit so often, or its pose jumps, that no {MIN_SEGMENT_DURATION:g} s of it are left; "
+            "record it between stops, with a tracker that keeps the cart"
         )
     return parts
 

@@ -13,11 +13,11 @@ from scipy.sparse import csr_array
 
 from cartgrasp.frames import Array
 
-SUPPORT = 4
+SPLINE_SUPPORT = 4
 """Row steps over which a cubic B-spline is not zero."""
-CHUNK = 20_000
+GRID_CHUNK_POINTS = 20_000
 """Points of the grid that are worked out at once: an hour's partials would take gigabytes."""
-THIN = 2
+GRID_STRIDE = 2
 """Points of the grid from one to the next at which candidates are worked out: five in a row's step at least."""
 
 
@@ -44,7 +44,7 @@ class Integrals:
     @property
     def middles(self) -> np.ndarray:
         """Middles (k,) of the test functions, as points of the grid."""
-        return self.per_row * self.used + SUPPORT * self.per_row // 2
+        return self.per_row * self.used + SPLINE_SUPPORT * self.per_row // 2
 
     def of(self, signals: Array) -> Array:
         """Integrals (k, ...) of signals (n, ...) against the test functions."""
@@ -70,24 +70,27 @@ class Integrals:
     def _parts(self) -> list[tuple[slice, csr_array]]:
         """Parts of the grid, and test functions (rows, points) of those rows that lie in them."""
         found, first = [], self.per_row * self.used
-        support = SUPPORT * self.per_row + 1
-        edges = np.flatnonzero(np.diff(first // max(CHUNK - support, support), prepend=-1))
+        support = SPLINE_SUPPORT * self.per_row + 1
+        edges = np.flatnonzero(np.diff(first // max(GRID_CHUNK_POINTS - support, support), prepend=-1))
         for begin, end in pairwise([*edges, len(first)]):
-            part = slice(int(first[begin]) // THIN * THIN, int(first[end - 1]) + support)
+            part = slice(int(first[begin]) // GRID_STRIDE * GRID_STRIDE, int(first[end - 1]) + support)
             found.append((part, csr_array(self.test[begin:end][:, part])))
         return found
 
     @cached_property
     def _thin_parts(self) -> list[tuple[slice, csr_array]]:
         """Parts of the grid and test functions, at every other point."""
-        thinned = (slice(part.start, part.stop, THIN) for part, _ in self._parts)
-        return [(part, csr_array(test[:, ::THIN] * THIN)) for part, (_, test) in zip(thinned, self._parts, strict=True)]
+        thinned = (slice(part.start, part.stop, GRID_STRIDE) for part, _ in self._parts)
+        return [
+            (part, csr_array(test[:, ::GRID_STRIDE] * GRID_STRIDE))
+            for part, (_, test) in zip(thinned, self._parts, strict=True)
+        ]
 
 
 def _test_functions(n: int, per_row: int, step: float) -> csr_array:
-    count = max((n - 1 - SUPPORT * per_row) // per_row + 1, 0)
-    inside = np.arange(SUPPORT * per_row + 1) / per_row
-    phi = np.nan_to_num(BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)(inside)) * step
+    count = max((n - 1 - SPLINE_SUPPORT * per_row) // per_row + 1, 0)
+    inside = np.arange(SPLINE_SUPPORT * per_row + 1) / per_row
+    phi = np.nan_to_num(BSpline.basis_element(np.arange(SPLINE_SUPPORT + 1.0), extrapolate=False)(inside)) * step
     first = per_row * np.arange(count)
     columns = (first[:, None] + np.arange(len(phi))).ravel()
     return csr_array((np.tile(phi, count), columns, len(phi) * np.arange(count + 1)), shape=(count, n))
@@ -100,8 +103,8 @@ def _against(test: csr_array, signals: Array) -> Array:
 @lru_cache
 def _overlap(order: int, lag: int) -> float:
     """The integral in `Integrals.overlap`, of test functions one second apart."""
-    inside = np.linspace(0.0, SUPPORT, 40 * SUPPORT + 1)
-    element = BSpline.basis_element(np.arange(SUPPORT + 1.0), extrapolate=False)
+    inside = np.linspace(0.0, SPLINE_SUPPORT, 40 * SPLINE_SUPPORT + 1)
+    element = BSpline.basis_element(np.arange(SPLINE_SUPPORT + 1.0), extrapolate=False)
     one = np.nan_to_num((element.derivative(order) if order else element)(inside))
     other = np.zeros_like(one)
     other[40 * lag :] = one[: len(one) - 40 * lag]

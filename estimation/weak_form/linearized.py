@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 
 from .coordinates import ParameterPrior, bounds, coordinates, jacobian, parameters_at, slopes_at, with_coordinates
 
-ROUNDING = 1e-9
+INFORMATION_ROUNDING = 1e-9
 """What rounding leaves: of information, as a share of the prior's, and of a distance, in its standard deviations."""
 
 
@@ -71,7 +71,7 @@ class Linearized:
             found = least_squares(residual, start, slopes, (lower, upper), "dogbox", x_scale=scale)
         z = found.x
         for bound in (lower, upper):  # a step to a bound ends beside it by rounding
-            z = np.where(np.abs(z - bound) < ROUNDING * std, bound, z)
+            z = np.where(np.abs(z - bound) < INFORMATION_ROUNDING * std, bound, z)
         at_bound = np.zeros(len(prior.free), dtype=bool)
         at_bound[free] = (z == lower) | (z == upper)
         beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(z))
@@ -124,6 +124,6 @@ class Linearized:
         information = self.information[:f, :f] - self._across @ self._beside @ self._across.T
         pull = self.pull[:f] - self._across @ self._beside @ self.pull[f:]
         share, basis = np.linalg.eigh(std[:, None] * information * std)
-        told = share > ROUNDING
+        told = share > INFORMATION_ROUNDING
         root = np.sqrt(share[told])[:, None] * basis[:, told].T
         return root / std, basis[:, told].T @ (std * pull) / np.sqrt(share[told])

@@ -21,21 +21,21 @@ from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 from .steps import between_steps
 
-MOST_KEPT = 16
+MAX_CACHED_MEMORIES = 16
 """Memories of effects that are kept for a motion."""
 
 GRID_STEP = 0.01
 """Step (s) of the grid, where samples come as often as that."""
-FINEST_STEP = 0.0025
+MIN_GRID_STEP = 0.0025
 """Step (s) of a finer grid: as fine as anything moves by which a cart's mass is told."""
 KNOT_STEPS = 5
 """Steps of the grid from knot to knot of the motion's splines."""
-SAMPLES_PER_KNOT = 2.0
+MIN_SAMPLES_PER_KNOT = 2.0
 """Fewest samples that stand behind each coefficient of a spline."""
-LONGEST_GAP = 3.0
+MAX_GAP_STEPS = 3.0
 """Longest gap, in multiples of the samples' usual step: over a longer one nobody knows what happened."""
-FEWEST_ROWS = 12
-MOST_POINTS = 10_000_000
+MIN_POSES = 12
+MAX_GRID_POINTS = 10_000_000
 """Most points of the grid: more than a day at 100 Hz is a clock that jumped, and no memory holds it."""
 
 
@@ -97,7 +97,7 @@ class Motion:
             return cart.memory_along(self.pose, velocity, self.time)
         key = cart.memory_key, np.asarray(faster).tobytes() if np.any(faster) else b""
         if key not in self._memories:
-            if len(self._memories) == MOST_KEPT:
+            if len(self._memories) == MAX_CACHED_MEMORIES:
                 del self._memories[next(iter(self._memories))]
             self._memories[key] = cart.memory_along(self.pose, velocity, self.time)
         return self._memories[key]
@@ -143,21 +143,21 @@ class Motion:
 def motion_of(
     log: RunLog, cart: CartModel, told: FilterNoise | None = None, samples_per_knot: float | None = None
 ) -> Motion:
-    """Motion of a log, with noise as it is told, or read off the log. The grid is as fine as `FINEST_STEP` where
+    """Motion of a log, with noise as it is told, or read off the log. The grid is as fine as `MIN_GRID_STEP` where
     `samples_per_knot` stand behind each coefficient at least, else as `GRID_STEP`. Raises DataError for a log that is
     too short or too long."""
     seen = np.asarray(np.isfinite(log.pose).all(axis=1))
-    if seen.sum() < FEWEST_ROWS:
-        raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {FEWEST_ROWS} are needed")
+    if seen.sum() < MIN_POSES:
+        raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {MIN_POSES} are needed")
     time, moving = log.time[seen], _moving_times(log)
     native = float(np.median(np.diff(time)))
-    step = max(GRID_STEP, SAMPLES_PER_KNOT * native / KNOT_STEPS)
+    step = max(GRID_STEP, MIN_SAMPLES_PER_KNOT * native / KNOT_STEPS)
     if samples_per_knot is not None:
-        step = min(step, max(FINEST_STEP, samples_per_knot * native / KNOT_STEPS))
+        step = min(step, max(MIN_GRID_STEP, samples_per_knot * native / KNOT_STEPS))
     first, last = (float(end) for end in np.sort(np.append(moving, time))[[0, -1]])
-    if last - first < FEWEST_ROWS * KNOT_STEPS * step:
+    if last - first < MIN_POSES * KNOT_STEPS * step:
         raise DataError(f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too short to learn from")
-    if not (last - first) / step < MOST_POINTS:
+    if not (last - first) / step < MAX_GRID_POINTS:
         raise DataError(
             f"{log.name}: {last - first:.3g} s at {1 / native:.3g} Hz are too long to learn from at once; cut the log "
             "where nothing was recorded, and look for a clock that jumps"
@@ -184,7 +184,7 @@ def motion_of(
         _acceleration(pose[:, 2], velocity_b, np.column_stack([bend @ getattr(fit, kind) for fit in fits]))
         for kind in ("unbiased", "smooth")
     )
-    gap = LONGEST_GAP * max(native, step)
+    gap = MAX_GAP_STEPS * max(native, step)
     placed, moved = _near(time, grid, gap), _near(moving, grid, gap)
     of_all = np.column_stack([rate @ fit.unbiased for fit in fits])
     of_poses = of_all

@@ -20,38 +20,38 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import MAD_TO_STD
 from ..standstill import HALF_TRACK
 from .balances import Balances
-from .integrals import SUPPORT, THIN
-from .standing import FRICTION, G, standing, turning_back
+from .integrals import GRID_STRIDE, SPLINE_SUPPORT
+from .standing import FRICTION_COEFFICIENT, GRAVITY, standing, turning_back
 from .whitening import Whitening
 from .wrenches import Densities
 
-FORM_SHARE, EFFECT_SHARE = 0.01, 0.1
+BODY_FORM_ERROR_RATIO, EFFECT_FORM_ERROR_RATIO = 0.01, 0.1
 """Errors of a body's form, as a share of the root mean square wrench, and of effects' forms, as a share of what they
 give. Neighbours share them."""
-REST_SPEED, SWING_WAY = 0.05, 0.2
+DRY_FRICTION_SPEED, CASTER_SWING_DISTANCE = 0.05, 0.2
 """Speed (m/s) below which the paper learns nothing either; distance (m) of some four usual trails."""
-ON_CASTERS = 0.5
+CASTER_WEIGHT_FRACTION = 0.5
 """Share of a cart's weight that casters carry where none are listed."""
-SOFT_EDGE, SOFT_SHARE, SOFT_ONSET = 0.1, 0.2, 0.1
+SOFT_EDGE_WIDTH, PUSH_RISE_FRACTION, LOAD_ONSET_TIME = 0.1, 0.2, 0.1
 """Width (m) of a wheel's print and a carpet's rim; share of a push's duration in which it rises. Time (s) in which a
 load is put on."""
-POISED_BY = 10.0, 3.0, 1.0
+POISED_YAW_RATE_SIGMAS = 10.0, 3.0, 1.0
 """Standard deviations of the yaw rate by which poised casters may be off."""
-STAYS_POISED = 1.0
+MAX_POISED_TIME = 1.0
 """Time (s) for which a caster may stay on its turning point when the others swing round: the cart turns under it."""
-BELIEVED = 4.0
+PRIOR_FRICTION_ROWS = 4.0
 """Rows near standstill that count as if friction were as wrong there as it may be."""
-LONGEST_MEMORY = 0.15
+MAX_NOISE_CORRELATION_TIME = 0.15
 """Longest memory (s) of sensors' noise: what is remembered for longer is what a model lacks."""
-HUBER = 2.0
+HUBER_SIGMAS = 2.0
 """Standard deviations: what is farther off counts as if it were that far."""
-LOUDEST = 30.0
+MAX_NOISE_SCALE = 30.0
 """Largest loudness, in multiples of that from sample to sample: white noise that an amplifier passes up to a Hertz or
 so."""
 BISECTIONS = 12
-LEAST_EXCESS, LEAST_FORM = 1e-6, 0.02
+MIN_EXCESS_NOISE, MIN_FORM_ERROR_RATIO = 1e-6, 0.02
 """Smallest white noise beside the sensors', and smallest share of what forms may be wrong by."""
-LEAST_FORCE, LEAST_SPEED = 1e-4, 1e-6
+MIN_FORCE_DENSITY, MIN_VELOCITY_DENSITY = 1e-4, 1e-6
 """Smallest densities (N/√Hz, N·m/√Hz; m/√Hz): they keep logs without any noise solvable."""
 
 
@@ -93,7 +93,7 @@ class Errors:
         if balances.motion.across is not None:
             x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
             turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
-            across.append(Noise(np.array([[LEAST_SPEED**2 + turned**2]]), np.array([x]), 1))
+            across.append(Noise(np.array([[MIN_VELOCITY_DENSITY**2 + turned**2]]), np.array([x]), 1))
         held, friction, forms = model_error(balances, cart)
         edges = edge_error(balances, cart)
         if compares:
@@ -147,7 +147,7 @@ class Errors:
         counts = np.ones_like(off)
         whole = self.white + excess**2 * balances.overlap(0, 0) + off**2
         counts[:, :free] -= (balances.integrated(self.held) ** 2) / whole[:, :free]
-        none, linked = np.zeros(len(excess)), np.diff(balances.used, prepend=-SUPPORT) == 1
+        none, linked = np.zeros(len(excess)), np.diff(balances.used, prepend=-SPLINE_SUPPORT) == 1
         return Whitening(tuple(roots), none if memory is None else memory, linked, np.maximum(counts, 0.0))
 
     def near_standstill(self, excess: Array, form: Array) -> Array:
@@ -167,10 +167,10 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     that swing round after a reversal turn the cart; those that are not listed drag nobody knows where."""
     free = cart.constraints.n_free
     levers = np.array([1.0, 1.0, HALF_TRACK][:: 1 if free == 3 else 2][:free])
-    speed, weight = balances.turning_speed, FRICTION * G * cart.inertia.mass
+    speed, weight = balances.turning_speed, FRICTION_COEFFICIENT * GRAVITY * cart.inertia.mass
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
-    own = weight * np.exp(-((speed / REST_SPEED) ** 2))[:, None] * levers
+    own = weight * np.exp(-((speed / DRY_FRICTION_SPEED) ** 2))[:, None] * levers
     effects = np.abs(_effects(balances, cart, 0.0))
     swung = np.zeros_like(effects)
     if free > 1:
@@ -178,9 +178,9 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
         if not cart.wheel_set.lists_casters:
             dry = _dry(cart)
             drags = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
-            swung = ON_CASTERS * swinging[:, None] * drags
+            swung = CASTER_WEIGHT_FRACTION * swinging[:, None] * drags
         swung[:, -1] = np.hypot(swung[:, -1], weight * HALF_TRACK * swinging)
-    forms = np.sqrt((FORM_SHARE * size) ** 2 + (EFFECT_SHARE * effects) ** 2 + swung**2)
+    forms = np.sqrt((BODY_FORM_ERROR_RATIO * size) ** 2 + (EFFECT_FORM_ERROR_RATIO * effects) ** 2 + swung**2)
     dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)
     return standing(balances, cart), dry, forms
 
@@ -193,7 +193,7 @@ def _swinging(balances: Balances) -> Array:
     if not len(reversed_at):
         return np.zeros(len(way))
     since = np.where(last >= 0, way - way[reversed_at[np.maximum(last, 0)]], np.inf)
-    return np.asarray(np.exp(-((since / SWING_WAY) ** 2)))
+    return np.asarray(np.exp(-((since / CASTER_SWING_DISTANCE) ** 2)))
 
 
 def edge_error(balances: Balances, cart: CartModel) -> Array:
@@ -219,11 +219,11 @@ def _poised_error(balances: Balances, cart: CartModel) -> Array:
     motion, turned = own.motion, np.zeros(cart.constraints.n_free)
     turned[-1] = motion.rate_std[2]
     given = []
-    for deviations in (0.0, *POISED_BY, *(-one for one in POISED_BY)):
+    for deviations in (0.0, *POISED_YAW_RATE_SIGMAS, *(-one for one in POISED_YAW_RATE_SIGMAS)):
         memory = motion.memory(cart, deviations * turned)
         given.append(_effects_at(balances, cart, np.hstack([motion.pose, motion.velocity, memory])))
     error = np.ptp(given, axis=0) / 2
-    later = max(1, round(STAYS_POISED / motion.step))
+    later = max(1, round(MAX_POISED_TIME / motion.step))
     return np.asarray(maximum_filter1d(error, later, axis=0, mode="nearest", origin=(later - 1) // 2))
 
 
@@ -231,16 +231,16 @@ def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
     """Values of an effect that is there for a little less, and a little more, time or place."""
     less, more = effect.values.copy(), effect.values.copy()
     if effect.gate is Gate.INSIDE:
-        edge = min(SOFT_EDGE, float(min(less[1] - less[0], less[3] - less[2])) / 3)
+        edge = min(SOFT_EDGE_WIDTH, float(min(less[1] - less[0], less[3] - less[2])) / 3)
         less[:4] += edge * np.array([1.0, -1.0, 1.0, -1.0])
         more[:4] -= edge * np.array([1.0, -1.0, 1.0, -1.0])
     elif effect.gate is Gate.WHILE:
-        edge = SOFT_SHARE * float(less[1])
+        edge = PUSH_RISE_FRACTION * float(less[1])
         less[:2] += edge * np.array([1.0, -2.0])
         more[:2] -= edge * np.array([1.0, -2.0])
     else:
-        less[0] += SOFT_ONSET
-        more[0] -= SOFT_ONSET
+        less[0] += LOAD_ONSET_TIME
+        more[0] -= LOAD_ONSET_TIME
     return less, more
 
 
@@ -253,8 +253,8 @@ def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | 
 
 def _effects_at(balances: Balances, cart: CartModel, state: Array) -> Array:
     """What a cart's effects give (n, f) at states (n, s), worked out at every other point."""
-    found = cart.effect_wrench(state[::THIN], time=balances.motion.time[::THIN]) @ cart.basis_b
-    return np.asarray(np.repeat(found, THIN, axis=0)[: len(state)])
+    found = cart.effect_wrench(state[::GRID_STRIDE], time=balances.motion.time[::GRID_STRIDE]) @ cart.basis_b
+    return np.asarray(np.repeat(found, GRID_STRIDE, axis=0)[: len(state)])
 
 
 def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
@@ -265,7 +265,7 @@ def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
         return found
     for i, lever in enumerate(levers):
         faster = np.zeros(len(levers))
-        faster[i] = REST_SPEED / lever
+        faster[i] = DRY_FRICTION_SPEED / lever
         near, far = (
             np.abs(_effects(balances, dry, 0.0, k * faster) - _effects(balances, dry, 0.0, -k * faster)) / k
             for k in (1, 3)
@@ -280,11 +280,11 @@ def _dry(cart: CartModel) -> CartModel:
 
 
 def _covariance(balances: Balances, noise: Noise, off: Array) -> Array:
-    """Bands (SUPPORT b, k b) of the covariance of balances that go together: of white noise, and of model errors that
-    neighbours share, by which rows are `off` (k, b)."""
+    """Bands (SPLINE_SUPPORT b, k b) of the covariance of balances that go together: of white noise, and of model errors
+    that neighbours share, by which rows are `off` (k, b)."""
     k, count = off.shape
-    bands = np.zeros((SUPPORT * count, k, count))
-    for lag in range(min(SUPPORT, k)):
+    bands = np.zeros((SPLINE_SUPPORT * count, k, count))
+    for lag in range(min(SPLINE_SUPPORT, k)):
         same, moved = balances.overlap(0, lag), balances.overlap(noise.order, lag)
         linked, alike = balances.used[lag:] - balances.used[: k - lag] == lag, same / balances.overlap(0, 0)
         for i, j in product(range(count), range(count)):
@@ -294,7 +294,7 @@ def _covariance(balances: Balances, noise: Noise, off: Array) -> Array:
             if i == j:
                 value += moved * noise.motion[i] ** 2 + alike * off[: k - lag, i] * off[lag:, i]
             bands[lag * count + j - i, : k - lag, i] = value * linked
-    return bands.reshape(SUPPORT * count, k * count)
+    return bands.reshape(SPLINE_SUPPORT * count, k * count)
 
 
 def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:
@@ -314,7 +314,7 @@ def wrench_noise(balances: Balances, cart: CartModel) -> Array:
 
 def wrench_covariance(balances: Balances, cart: CartModel) -> Array:
     """Density of the reduced wrench's noise (f, f), N²/Hz, N²·m/Hz, N²·m²/Hz."""
-    found = LEAST_FORCE**2 * np.eye(cart.constraints.n_free)
+    found = MIN_FORCE_DENSITY**2 * np.eye(cart.constraints.n_free)
     for grasp, density in zip(balances.wrenches.grasps, balances.wrench_densities, strict=True):
         own = (np.moveaxis(grasp, 1, 0) * density).reshape(3, -1)
         found += cart.basis_b.T @ (own @ own.T / len(grasp)) @ cart.basis_b
@@ -328,7 +328,7 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[fl
     what neighbours share (c,). First how many times as loud sensors of wrenches may be as from sample to sample: no
     louder than the balance says that has least beside."""
     count, free = parts[0][1].shape[1], parts[0][0].held.shape[1]
-    none, least, whole = np.full(count, LEAST_EXCESS), np.full(count, LEAST_FORM), np.ones(count)
+    none, least, whole = np.full(count, MIN_EXCESS_NOISE), np.full(count, MIN_FORM_ERROR_RATIO), np.ones(count)
 
     def surplus(excess: Array, form: Array, loudness: float | None = None) -> Array:
         total, rows = np.zeros(count), np.zeros(count)
@@ -341,20 +341,20 @@ def excess_noise(parts: Sequence[tuple[Errors, Array]], used: float) -> tuple[fl
     def of_sensors(loudness: Array) -> Array:
         return np.asarray(surplus(none, least, float(loudness[0]))[:free].min(keepdims=True))
 
-    loudness = float(_root_of(of_sensors, np.ones(1), np.full(1, LOUDEST))[0])
+    loudness = float(_root_of(of_sensors, np.ones(1), np.full(1, MAX_NOISE_SCALE))[0])
     form = _root_of(lambda share: surplus(none, share), least, whole)
     excess = 10 ** _root_of(lambda decade: surplus(10**decade, form), np.log10(none), np.full(count, 4.0))
     shares = [errors.near_standstill(excess, form) for errors, _ in parts]
-    rows = sum(share.sum(axis=0) for share in shares) + BELIEVED
+    rows = sum(share.sum(axis=0) for share in shares) + PRIOR_FRICTION_ROWS
 
     def near_standstill(friction: Array) -> Array:
-        total = np.full(count, BELIEVED)
+        total = np.full(count, PRIOR_FRICTION_ROWS)
         for (errors, left), share in zip(parts, shares, strict=True):
             total += (share * errors.whitening(excess, form, friction)(left) ** 2).sum(axis=0)
         return np.asarray(total / rows - 1.0)
 
     friction = _root_of(near_standstill, least, whole)
-    most = np.exp(-parts[0][0].balances.row_step / LONGEST_MEMORY)
+    most = np.exp(-parts[0][0].balances.row_step / MAX_NOISE_CORRELATION_TIME)
     memory = _memory([(errors.whitening(excess, form, friction), left) for errors, left in parts])
     return loudness, excess, form, friction, np.minimum(memory, most)
 
@@ -373,7 +373,7 @@ def _memory(parts: Sequence[tuple[Whitening, Array]]) -> Array:
 def _usual(differences: Array) -> Array:
     """Mean squares (c,), of which the few that are large count as little more than usual (Huber)."""
     sizes = np.abs(differences)
-    return np.asarray((np.minimum(sizes, HUBER * MAD_TO_STD * np.median(sizes, axis=0)) ** 2).mean(axis=0))
+    return np.asarray((np.minimum(sizes, HUBER_SIGMAS * MAD_TO_STD * np.median(sizes, axis=0)) ** 2).mean(axis=0))
 
 
 def _root_of(surplus: Callable[[Array], Array], low: Array, high: Array) -> Array:

@@ -14,12 +14,12 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-FOLDS = 5
-PIECE, STRETCH = 0.6, 3.0
+N_SCORE_FOLDS = 5
+MIN_PIECE_DURATION, MIN_STRETCH_DURATION = 0.6, 3.0
 """Durations (s) of a piece and of a stretch, at least."""
-MOST_PIECES, MOST_STRETCHES = 1000, 20
+MAX_PIECES, MAX_STRETCHES = 1000, 20
 """Most pieces and most stretches of a log: more would only cost memory."""
-LEAST_SCALE = 1e-3
+MIN_RESIDUAL_SCALE = 1e-3
 """Smallest scale of residuals, in multiples of the noise by which rows are whitened: it keeps logs without noise
 finite."""
 
@@ -37,11 +37,11 @@ class Folds:
     def of(cls, time: Array, row_step: float) -> Folds:
         """Folds of the rows at times (k,)."""
         duration = float(time[-1] - time[0])
-        piece = max(PIECE, 2 * row_step, duration / MOST_PIECES)
+        piece = max(MIN_PIECE_DURATION, 2 * row_step, duration / MAX_PIECES)
         block = ((time - time[0]) // piece).astype(int)
         kinds, block = np.unique(block, return_inverse=True)
-        long = max(STRETCH, piece, duration / MOST_STRETCHES)
-        return cls(block, kinds % FOLDS, (kinds * piece // long).astype(int))
+        long = max(MIN_STRETCH_DURATION, piece, duration / MAX_STRETCHES)
+        return cls(block, kinds % N_SCORE_FOLDS, (kinds * piece // long).astype(int))
 
     @classmethod
     def joined(cls, parts: Sequence[Folds]) -> Folds:
@@ -123,4 +123,6 @@ def _scale(total: Array, rows: Array, fit: Array, covariance: Array, scale: Arra
     left = np.einsum("i,cij,j->c", step, total, step)
     q = len(fit)
     used = np.einsum("ij,cji->c", covariance, total[:, :q, :q]) / scale**2
-    return np.asarray(np.maximum(np.sqrt(np.maximum(left, 0.0) / np.maximum(rows - used, 0.5 * rows)), LEAST_SCALE))
+    return np.asarray(
+        np.maximum(np.sqrt(np.maximum(left, 0.0) / np.maximum(rows - used, 0.5 * rows)), MIN_RESIDUAL_SCALE)
+    )

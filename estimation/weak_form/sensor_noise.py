@@ -13,7 +13,7 @@ from cartgrasp.logs import RunLog
 from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, pose_noise, white_noise
 from ..noise import FilterNoise
 
-AVERAGED = (0.0, 0.02, 0.05)
+AVERAGING_TIMES = (0.0, 0.02, 0.05)
 """Durations (s) of blocks over which samples are averaged; over longer ones, motion shows."""
 
 
@@ -56,7 +56,7 @@ def noise_density(time: Array, channel: Array, averaged: Sequence[float] | None 
         return 0.0
     step = float(np.median(np.diff(time[known])))
     densities = []
-    for length in AVERAGED if averaged is None else averaged:
+    for length in AVERAGING_TIMES if averaged is None else averaged:
         size = max(1, round(length / step))
         count = len(present) // size
         means = present[: count * size].reshape(count, size).mean(axis=1)

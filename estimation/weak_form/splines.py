@@ -19,20 +19,20 @@ from scipy.sparse import csr_array, diags_array
 
 from cartgrasp.frames import Array
 
-DEGREE = 4
-ORDER = 3
+SPLINE_DEGREE = 4
+PENALTY_ORDER = 3
 """Order of the coefficients' differences that are penalised: what is left free is a constant acceleration."""
-LEAST_PENALTY = 1e-9
+MIN_PENALTY_RATIO = 1e-9
 """Smallest penalty, in multiples of the data's weight: it bridges gaps."""
-LOOSE, STIFF = -9.0, 12.0
+MIN_PENALTY_DECADES, MAX_PENALTY_DECADES = -9.0, 12.0
 """Decades of penalty between which the likelihood is searched: over the data's weight, and over that of values alone.
 Rates leave a constant free, and of a penalty that is stiffer yet rounding hides what holds it."""
-ROUNDING = 1e-14
+DIFFERENCE_ROUNDING = 1e-14
 """Relative rounding of squared third differences, which are up to 64 times a squared coefficient: what is smaller is
 lost."""
-OUTLYING = 4.0
+OUTLIER_SIGMAS = 4.0
 """Standard deviations from which on a sample counts for less (Huber's weight would be 1.345; noise here is known)."""
-ROUNDS = 3
+N_REWEIGHTINGS = 3
 
 
 @dataclass(frozen=True)
@@ -55,17 +55,17 @@ class SplineBasis:
 
     @classmethod
     def over(cls, first: float, last: float, step: float) -> SplineBasis:
-        return cls(first, step, max(int(np.ceil((last - first) / step)), 1) + DEGREE)
+        return cls(first, step, max(int(np.ceil((last - first) / step)), 1) + SPLINE_DEGREE)
 
     @cached_property
     def knots(self) -> Array:
-        return np.asarray(self.start + self.step * np.arange(-DEGREE, self.count + 1), dtype=float)
+        return np.asarray(self.start + self.step * np.arange(-SPLINE_DEGREE, self.count + 1), dtype=float)
 
     def design(self, time: Array, derivative: int = 0) -> csr_array:
         """Design matrix (n, count) of the derivative at times (n,) inside the knots."""
         if derivative == 0:
-            return csr_array(BSpline.design_matrix(time, self.knots, DEGREE))
-        lower = BSpline.design_matrix(time, self.knots[derivative:-derivative], DEGREE - derivative)
+            return csr_array(BSpline.design_matrix(time, self.knots, SPLINE_DEGREE))
+        lower = BSpline.design_matrix(time, self.knots[derivative:-derivative], SPLINE_DEGREE - derivative)
         return csr_array(lower @ self.differences(derivative) / self.step**derivative)
 
     def differences(self, order: int) -> csr_array:
@@ -86,15 +86,15 @@ class SplineFit:
         self._weigh([np.full(len(one.time), one.std**-2.0) for one in samples])
         self._roughness = self._penalised()
         self.smooth = self._robust()
-        self.unbiased = self._solved(self._scale * LEAST_PENALTY, self._normal[1])
+        self.unbiased = self._solved(self._scale * MIN_PENALTY_RATIO, self._normal[1])
 
     def _penalised(self) -> Array:
         """Third differences; and where no sample is for k coefficients, the first, at k² of what rounding loses: in
         bends so long, third differences tell k**-6 of it."""
         basis, unseen = self.basis, self._normal[0][-1] == 0
-        third, first, bridge = basis.differences(ORDER), basis.differences(1), unseen[1:] & unseen[:-1]
-        weight = ROUNDING * float(bridge.sum()) ** 2
-        return _banded((third.T @ third + first.T @ diags_array(weight * bridge) @ first).tocsr(), DEGREE)
+        third, first, bridge = basis.differences(PENALTY_ORDER), basis.differences(1), unseen[1:] & unseen[:-1]
+        weight = DIFFERENCE_ROUNDING * float(bridge.sum()) ** 2
+        return _banded((third.T @ third + first.T @ diags_array(weight * bridge) @ first).tocsr(), SPLINE_DEGREE)
 
     @cached_property
     def _scale(self) -> float:
@@ -124,9 +124,9 @@ class SplineFit:
 
     def _weigh(self, weights: list[Array]) -> None:
         """Takes weights of samples, and works out the normal equations: a matrix in banded form, and its right side."""
-        matrix = np.zeros((DEGREE + 1, self.basis.count))
+        matrix = np.zeros((SPLINE_DEGREE + 1, self.basis.count))
         for design, weight in zip(self._designs, weights, strict=True):
-            matrix += _banded((design.T @ (diags_array(weight) @ design)).tocsr(), DEGREE)
+            matrix += _banded((design.T @ (diags_array(weight) @ design)).tocsr(), SPLINE_DEGREE)
         place = np.linspace(-1.0, 1.0, self.basis.count)
         free = np.column_stack([np.ones_like(place), place, place**2])
         self._weights, self._parabolas = weights, (free, _times(matrix, free))
@@ -146,13 +146,13 @@ class SplineFit:
     def _robust(self) -> Array:
         """The smooth fit, with samples far from it weighed less, round by round."""
         coefficients = np.zeros(self.basis.count)
-        for _ in range(ROUNDS):
+        for _ in range(N_REWEIGHTINGS):
             self._penalty = self._likely_penalty(self._normal[1])
             coefficients = self._solved(self._penalty, self._normal[1])
             weights = []
             for design, one in zip(self._designs, self._samples, strict=True):
                 off = np.abs(one.value - design @ coefficients) / one.std
-                weights.append(one.std**-2.0 / np.maximum(off / OUTLYING, 1.0) ** 2)
+                weights.append(one.std**-2.0 / np.maximum(off / OUTLIER_SIGMAS, 1.0) ** 2)
             self._weigh(weights)
         return coefficients
 
@@ -170,8 +170,8 @@ class SplineFit:
 
     def _likely_penalty(self, right: Array) -> float:
         matrix, (_, right) = self._normal[0], self._without_parabola(right)
-        scale, free = float(np.mean(matrix[-1])), self.basis.count - ORDER
-        stiffest = STIFF + float(np.log10(self._weight_of_values / scale))
+        scale, free = float(np.mean(matrix[-1])), self.basis.count - PENALTY_ORDER
+        stiffest = MAX_PENALTY_DECADES + float(np.log10(self._weight_of_values / scale))
 
         def misfit(decade: float) -> float:
             penalty = scale * 10.0**decade
@@ -179,7 +179,7 @@ class SplineFit:
             explained = right @ cho_solve_banded((root, False), right)
             return float(2 * np.log(root[-1]).sum() - free * np.log(penalty) - explained)
 
-        decade = float(minimize_scalar(misfit, bounds=(LOOSE, stiffest), method="bounded").x)
+        decade = float(minimize_scalar(misfit, bounds=(MIN_PENALTY_DECADES, stiffest), method="bounded").x)
         return float(scale * 10.0**decade)
 
 

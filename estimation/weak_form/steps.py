@@ -13,7 +13,7 @@ from cartgrasp.logs import RunLog
 
 from ..log_noise.resolution import TINY, resolution
 
-WHOLE, MOST_CHANGES, COUNTED = 0.1, 0.95, 5.0
+WHOLE_STEP_TOLERANCE, MIN_WHOLE_STEP_FRACTION, MAX_COUNTED_STEPS = 0.1, 0.95, 5.0
 """How far a change may be from a whole number of steps, in steps; and the share of changes that are no farther. Changes
 of more steps than the last are not asked, since a step that is told roughly adds up."""
 
@@ -46,5 +46,5 @@ def _smoothed(time: Array, values: Array) -> Array:
 def _in_steps(changes: Array, step: float) -> bool:
     """Whether changes (n,) are whole numbers of steps."""
     counts = np.abs(changes) / step
-    few = counts[counts < COUNTED]
-    return bool(len(few) and np.mean(np.abs(few - np.rint(few)) < WHOLE) > MOST_CHANGES)
+    few = counts[counts < MAX_COUNTED_STEPS]
+    return bool(len(few) and np.mean(np.abs(few - np.rint(few)) < WHOLE_STEP_TOLERANCE) > MIN_WHOLE_STEP_FRACTION)

@@ -13,14 +13,14 @@ from scipy.sparse import csr_array, dia_array
 
 from cartgrasp.frames import Array
 
-from .integrals import SUPPORT
+from .integrals import SPLINE_SUPPORT
 
 
 @dataclass(frozen=True, eq=False)
 class Whitening:
     """Whitening of a log's rows, by banded Cholesky factors of their covariance, in LAPACK's lower form. Each is
-    (SUPPORT b, k b) of b balances that go together, row after row. `memory` (c,) is how much of one row's noise the
-    next still has, where it is `linked` (k,). `counts` (k, c) is how much of each row's square noise makes: little,
+    (SPLINE_SUPPORT b, k b) of b balances that go together, row after row. `memory` (c,) is how much of one row's noise
+    the next still has, where it is `linked` (k,). `counts` (k, c) is how much of each row's square noise makes: little,
     where anything may hold the cart and nothing does."""
 
     roots: tuple[Array, ...]
@@ -31,7 +31,7 @@ class Whitening:
     @cached_property
     def _parts(self) -> list[tuple[slice, Array]]:
         """The balances of each factor."""
-        ends = np.cumsum([0, *(len(root) // SUPPORT for root in self.roots)]).tolist()
+        ends = np.cumsum([0, *(len(root) // SPLINE_SUPPORT for root in self.roots)]).tolist()
         return [(slice(*pair), root) for pair, root in zip(pairwise(ends), self.roots, strict=True)]
 
     @cached_property

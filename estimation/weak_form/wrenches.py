@@ -20,14 +20,14 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
-from .motion import LONGEST_GAP, Motion
+from .motion import MAX_GAP_STEPS, Motion
 
-LEAST_DENSITY, RELATIVE = 1e-4, 1e-9
+MIN_WRENCH_DENSITY, MIN_COVARIANCE_RATIO = 1e-4, 1e-9
 """Smallest density (N/√Hz, N·m/√Hz), and share of a covariance: they keep wrenches without noise, and points without an
 arm, solvable."""
-LATEST = 0.25
+MAX_SENSOR_DELAY = 0.25
 """Lateness (s) that is more than that of any sensor that is asked about."""
-WHOLE = slice(None)
+WHOLE_GRID = slice(None)
 """Slice of all points of a grid."""
 
 
@@ -72,7 +72,7 @@ class GridWrenches:
             held &= own
         grasps = np.array([grasp_map_planar(own) for own in contacts]).reshape(*shape, 3, 6)
         whole = cls(tuple(log.arms), motion, contacts, grasps, np.zeros((*shape, 6)), held, held, held).late(log, 0.0)
-        ahead = _before_none(whole.seen, round(LATEST / motion.step)) if log.arms else held
+        ahead = _before_none(whole.seen, round(MAX_SENSOR_DELAY / motion.step)) if log.arms else held
         return replace(whole, ahead=ahead).late(log, lateness)
 
     def late(self, log: RunLog, lateness: float) -> GridWrenches:
@@ -86,7 +86,7 @@ class GridWrenches:
             seen &= near
         return replace(self, recorded=recorded, seen=seen)
 
-    def corrected(self, cart: CartModel, arm: int, recorded: Array, part: slice = WHOLE) -> tuple[Array, Array]:
+    def corrected(self, cart: CartModel, arm: int, recorded: Array, part: slice = WHOLE_GRID) -> tuple[Array, Array]:
         """The true wrench (n, 6) behind what an arm recorded (n, 6) at times of a part of the grid, and its partials by
         the parameters (n, 6, p)."""
         hand = HAND_AT_REST
@@ -95,7 +95,7 @@ class GridWrenches:
             hand = cart.hand_motion(motion.velocity[part], motion.smooth_acceleration[part], self.contacts[arm][part])
         return cart.corrected_wrench(self.arms[arm], recorded, hand=hand)
 
-    def planar(self, cart: CartModel, part: slice = WHOLE) -> Array:
+    def planar(self, cart: CartModel, part: slice = WHOLE_GRID) -> Array:
         """The true planar wrench on the cart (n, 3) in {b} behind what is recorded."""
         if not cart.sensor_effects:
             return self._as_recorded[part]
@@ -104,7 +104,7 @@ class GridWrenches:
 
     @cached_property
     def _as_recorded(self) -> Array:
-        return self._summed(self.recorded, WHOLE)
+        return self._summed(self.recorded, WHOLE_GRID)
 
     def _summed(self, wrenches: Iterable[Array], part: slice) -> Array:
         """Planar wrench (n, 3) of all arms on the cart in {b}, from each arm's (n, 6)."""
@@ -113,7 +113,9 @@ class GridWrenches:
             value += (grasp[part] @ wrench[..., None])[..., 0]
         return value
 
-    def recorded_share(self, cart: CartModel, known: Densities, acting: Densities, part: slice = WHOLE) -> Array | None:
+    def recorded_share(
+        self, cart: CartModel, known: Densities, acting: Densities, part: slice = WHOLE_GRID
+    ) -> Array | None:
         """Matrices (n, f, f) that take rows from the noise of what acts to the `known` noise, where sensors are not as
         they should be. What is left is then compared in recorded wrenches, whose noise is known (Deming's regression).
         None where nothing changes."""
@@ -131,7 +133,7 @@ class GridWrenches:
             own[:] = (cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0]).T
         return np.asarray(cart.basis_b.T @ self.grasps[:, part] @ maps[:, None])
 
-    def slopes(self, cart: CartModel, expected: Array, densities: Densities, part: slice = WHOLE) -> Array:
+    def slopes(self, cart: CartModel, expected: Array, densities: Densities, part: slice = WHOLE_GRID) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that
         are most likely behind those recorded where a model expects (n, f) of them. By a gain or an angle they are in
         proportion to wrenches: to recorded ones, they would have their noise, and all that the model lacks, on both
@@ -150,13 +152,13 @@ class GridWrenches:
 
 
 def _variances(densities: Array) -> Array:
-    return np.asarray(densities**2 + LEAST_DENSITY**2)
+    return np.asarray(densities**2 + MIN_WRENCH_DENSITY**2)
 
 
 def _covariance(reduced: Array, densities: Densities) -> Array:
     """Covariance (n, f, f) of the sum of the arms' noise through reduced maps (arms, n, f, 6) and of other noise."""
     found = np.einsum("anfi,ai,angi->nfg", reduced, _variances(densities.arms), reduced)
-    least = RELATIVE * np.trace(found, axis1=1, axis2=2) + LEAST_DENSITY**2
+    least = MIN_COVARIANCE_RATIO * np.trace(found, axis1=1, axis2=2) + MIN_WRENCH_DENSITY**2
     others = np.zeros(found.shape[1]) if densities.others is None else densities.others
     return np.asarray(found + (least[:, None] + others)[:, None] * np.eye(found.shape[1]))
 
@@ -171,7 +173,7 @@ def _on_grid(time: Array, values: Array, grid: Array, step: float) -> tuple[Arra
     curve = CubicHermiteSpline(time, values, np.gradient(values, time, axis=0))
     mean = np.diff(curve.antiderivative()(edges), axis=0) / np.maximum(covered, 1e-12)[:, None]
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
-    near = (time[after] - time[after - 1] <= LONGEST_GAP * max(native, step)) & (covered > 0.4 * step)
+    near = (time[after] - time[after - 1] <= MAX_GAP_STEPS * max(native, step)) & (covered > 0.4 * step)
     return np.where(near[:, None], _of_means(mean, near), 0.0), np.asarray(near)
 
 

@@ -61,7 +61,7 @@ def test_what_decides_are_twenty_at_most():
 def test_what_is_ablated_can_be_moved():
     """Each is a number, numbers, or a table or tuple of names that can be emptied, but for a tuple of effects."""
     for one in ABLATED:
-        assert any(one.moved(move) is not None for move in MOVES) or one.name == "RICH", one.full_name
+        assert any(one.moved(move) is not None for move in MOVES) or one.name == "NUISANCE_EFFECTS", one.full_name
 
 
 @given(st.integers(1, 10**6), st.sampled_from([0.7, 0.9, 1.1, 1.3]))

@@ -27,7 +27,7 @@ from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
 from ...sensor_check.jumps import jump_times
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
-from ...weak_form.flights import LONGEST_HOLE, flights, unbroken
+from ...weak_form.flights import MAX_SEGMENT_POSE_GAP, flights, unbroken
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
 from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, told_gap
@@ -363,7 +363,7 @@ def _diagnosed(
 
 def _without_holes(log: RunLog) -> list[RunLog]:
     """Logs of what a recorder that paused, or whose clock jumped, left of one."""
-    parts = unbroken(log, LONGEST_HOLE)
+    parts = unbroken(log, MAX_SEGMENT_POSE_GAP)
     if len(parts) == 1:
         return parts
     named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))

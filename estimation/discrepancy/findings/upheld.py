@@ -7,7 +7,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...weak_form.band import INERTIAL, Band, pooled
+from ...weak_form.band import INERTIAL_EFFECTS, Band, pooled
 from ..search.attempts import Step
 from ..search.gains import added
 from ..search.laws import Law
@@ -60,7 +60,7 @@ def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
     wrenches (a rider who leans) looks like a load that swings or changes."""
     share = pooled([(band, band.bracket / band.mass) for band in known if band is not None])
     most = TOLD * share * final.cart.inertia.mass
-    loads = [effect for effect in added(final) if effect.name in INERTIAL]
+    loads = [effect for effect in added(final) if effect.name in INERTIAL_EFFECTS]
     return [e.key for e in loads if abs(e.values[e.keys.index(f"{e.key}.mass")]) < most]
 
 

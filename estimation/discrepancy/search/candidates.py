@@ -14,7 +14,7 @@ from cartgrasp.effects.force_scale import ForceScale
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.model import CartModel
 
-from ...weak_form.band import INERTIAL
+from ...weak_form.band import INERTIAL_EFFECTS
 
 TURNING = ("wheel_drag_imbalance",)
 """Effects that turn a cart: on a rail they are any drag."""
@@ -37,7 +37,7 @@ def families(cart: CartModel, arms: Sequence[str], others: Sequence[Effect] = ()
     own = (one for one in others if not isinstance(one, LearnedForce) and one.key not in has)
     found = [Family(one.key, (one,)) for one in own]
     for kind in KNOWN_EFFECTS.values():
-        if not kind.searched or (not arms and (kind.name in INERTIAL or is_of_wrenches(kind))):
+        if not kind.searched or (not arms and (kind.name in INERTIAL_EFFECTS or is_of_wrenches(kind))):
             continue
         if cart.constraints.no_rotation and kind.name in TURNING:
             continue

@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import FIXED
 
 from ...weak_form.balances import Balances
-from ...weak_form.integrals import THIN
+from ...weak_form.integrals import GRID_STRIDE
 from .course import Course
 from .laws import AT_HANDS, Law, both_ways, seen_values
 from .model import Model
@@ -188,7 +188,9 @@ def scanned(
     those of which the powers of all harmonics gain most for the information that a model's rows have."""
     logs, cart, found, count = model.logs, model.cart, list[list[Found]](), 0
     courses = [replace(Course.along(balances.motion), time=balances.motion.time) for balances in logs]
-    resolved = min(1 / THIN - balances.motion.step / balances.row_step for balances in logs)  # no wave passes for slow
+    resolved = min(
+        1 / GRID_STRIDE - balances.motion.step / balances.row_step for balances in logs
+    )  # no wave passes for slow
 
     def columns(scan: Scan, frequencies: Array, harmonics: int) -> Array:
         """Whitened columns (v, k, c, 2 h)."""

@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from cartgrasp.errors import DataError
 from estimation.discrepancy import diagnose
 from estimation.impacts.impacts import Impact
-from estimation.weak_form.flights import NEAR, SHORTEST, TOUCH, flights, unbroken
+from estimation.weak_form.flights import IMPACT_MARGIN, MIN_SEGMENT_DURATION, MIN_STOP_DISTANCE, flights, unbroken
 
 from ..weak_form.motions import TRUE, cart_of, noisy, weaving
 
@@ -29,25 +29,25 @@ def test_parts_lie_between_impacts(times):
     """No part holds a touch; what lies between and is long enough is there, every row of it."""
     parts = flights(LOG, CART, [hit(t) for t in times])
     ends = np.sort([0.0, *times, 12.0])
-    long_ones = [(a, b) for a, b in pairwise(ends) if b - a > SHORTEST + 2 * TOUCH + 0.03]
+    long_ones = [(a, b) for a, b in pairwise(ends) if b - a > MIN_SEGMENT_DURATION + 2 * IMPACT_MARGIN + 0.03]
     assert len(parts) >= len(long_ones)
     for part in parts:
         time = part.log.time
-        assert time[-1] - time[0] > SHORTEST
-        assert all(np.abs(time - t).min() > TOUCH for t in times)
+        assert time[-1] - time[0] > MIN_SEGMENT_DURATION
+        assert all(np.abs(time - t).min() > IMPACT_MARGIN for t in times)
         assert np.diff(time).max() < 0.011
     kept = np.concatenate([part.log.time for part in parts])
     for a, b in long_ones:
-        inside = LOG.time[(LOG.time > a + TOUCH + 1e-9) & (LOG.time < b - TOUCH - 1e-9)]
+        inside = LOG.time[(LOG.time > a + IMPACT_MARGIN + 1e-9) & (LOG.time < b - IMPACT_MARGIN - 1e-9)]
         assert np.isin(inside, kept).all()
 
 
 def test_rows_keep_their_wrenches():
     early, late = flights(LOG, CART, [hit(5.0)])
-    own = LOG.time < 5.0 - TOUCH
+    own = LOG.time < 5.0 - IMPACT_MARGIN
     assert early.log.arms["arm"].wrench == pytest.approx(LOG.arms["arm"].wrench[own])
     assert early.log.pose == pytest.approx(LOG.pose[own])
-    assert late.log.velocity == pytest.approx(LOG.velocity[LOG.time > 5.0 + TOUCH + 1e-9])
+    assert late.log.velocity == pytest.approx(LOG.velocity[LOG.time > 5.0 + IMPACT_MARGIN + 1e-9])
     assert early.log.name == LOG.name
 
 
@@ -56,7 +56,7 @@ def test_near_a_stop_nothing_is_believed():
     place = float(LOG.pose[900, 0])
     parts = flights(LOG, CART, [hit(t, place) for t in (0.05, 0.1, 0.15)])
     kept = np.concatenate([part.log.pose[:, 0] for part in parts])
-    assert np.abs(kept - place).min() >= NEAR
+    assert np.abs(kept - place).min() >= MIN_STOP_DISTANCE
     assert len(parts) == 2
 
 

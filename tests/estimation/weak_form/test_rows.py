@@ -13,7 +13,7 @@ from cartgrasp.effects import RollingResistance, WheelDragImbalance
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.weak_form.balances import Balances
-from estimation.weak_form.rows import REST_SPEED, Errors, excess_noise, model_error
+from estimation.weak_form.rows import DRY_FRICTION_SPEED, Errors, excess_noise, model_error
 
 from .motions import TRUE, cart_of, noisy, weaving
 
@@ -31,15 +31,18 @@ def with_effect(effect):
 
 
 def test_a_wheel_that_stands_drags_nobody_knows_which_way(balances):
-    """A right wheel that drags alone, by 10 N at a lever of 0.3 m: where it rolls at less than a fifth of `REST_SPEED`,
-    nearly all of that is open, whatever the cart does; where it rolls fast, and no caster turns round, next to
-    nothing."""
+    """A right wheel that drags alone, by 10 N at a lever of 0.3 m: where it rolls at less than a fifth of
+    `DRY_FRICTION_SPEED`, nearly all of that is open, whatever the cart does; where it rolls fast, and no caster turns
+    round, next to nothing."""
     motion = balances.motion
     whole = with_effect(WheelDragImbalance(10.0, -3.0))
     bare = with_effect(WheelDragImbalance(0.0, 0.0))
     more = np.sqrt(np.maximum(model_error(balances, whole)[1] ** 2 - model_error(balances, bare)[1] ** 2, 0.0))
     rolls = np.abs(motion.velocity[:, 0] + 0.3 * motion.velocity[:, 1])
-    stands, fast = rolls < REST_SPEED / 5, (rolls > 8 * REST_SPEED) & (np.abs(motion.velocity[:, 0]) > 0.4)
+    stands, fast = (
+        rolls < DRY_FRICTION_SPEED / 5,
+        (rolls > 8 * DRY_FRICTION_SPEED) & (np.abs(motion.velocity[:, 0]) > 0.4),
+    )
     assert stands.any()
     assert fast.any()
     assert (more[stands, 0] > 7.0).all()

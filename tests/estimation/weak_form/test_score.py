@@ -6,7 +6,14 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from scipy.stats import multivariate_normal
 
-from estimation.weak_form.score import FOLDS, PIECE, STRETCH, Folds, log_evidence, scored
+from estimation.weak_form.score import (
+    MIN_PIECE_DURATION,
+    MIN_STRETCH_DURATION,
+    N_SCORE_FOLDS,
+    Folds,
+    log_evidence,
+    scored,
+)
 
 ROWS, COUNT = 40, 3
 LOG_2PI = np.log(2 * np.pi)
@@ -82,12 +89,12 @@ def test_pieces_are_dealt_in_turn_and_stretches_hang_together(duration, step):
     folds = Folds.of(time, step)
     assert folds.counted(np.ones((len(time), 1))).sum() == len(time)
     piece, stretch = folds.pieces[folds.block], folds.stretches[folds.block]
-    assert set(piece) <= set(range(FOLDS))
+    assert set(piece) <= set(range(N_SCORE_FOLDS))
     assert (np.diff(folds.block) >= 0).all()
     assert (np.diff(stretch) >= 0).all()
     for block in np.unique(folds.block):
-        assert np.ptp(time[folds.block == block]) <= max(PIECE, 2 * step)
-    longest = max(STRETCH, duration / 20) + max(PIECE, 2 * step)
+        assert np.ptp(time[folds.block == block]) <= max(MIN_PIECE_DURATION, 2 * step)
+    longest = max(MIN_STRETCH_DURATION, duration / 20) + max(MIN_PIECE_DURATION, 2 * step)
     assert all(np.ptp(time[stretch == s]) <= longest + 1e-9 for s in np.unique(stretch))
 
 

@@ -10,7 +10,7 @@ from cartgrasp.wheels import Wheel
 from estimation.discrepancy.findings.certainty import SIZE_SHARE, Certainty
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
-from estimation.weak_form.band import FAR_SHARE, Band
+from estimation.weak_form.band import BAND_MASS_RATIO, Band
 
 from ...runs import simulate_two_hands
 from ...weak_form.motions import RAIL, RAIL_MASS, TRUE, cart_of, noisy, on_rail, weaving
@@ -80,7 +80,7 @@ def test_a_model_and_its_band_that_disagree_are_as_unsure_as_that():
     share = own.std / own.value
     other = own.value * np.exp(0.2)
     told = Certainty(model, (Band(0.1, other, share * other, 0.0),)).parameters["mass"]
-    weight = share**2 / (share**2 + share**2 + FAR_SHARE**2)
+    weight = share**2 / (share**2 + share**2 + BAND_MASS_RATIO**2)
     assert told.value == pytest.approx(own.value * np.exp(0.2 * weight), rel=1e-3)
     assert told.std / told.value == pytest.approx(max(share, 0.1), rel=2e-3)
 
