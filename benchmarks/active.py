@@ -29,7 +29,7 @@ from cartgrasp.reference_file import StoredReference, Stretch
 from cartgrasp.studies.parallel import run_all
 from cartgrasp.writing import write_atomically
 from estimation import Diagnosis, diagnose
-from estimation.experiments.manoeuvres import ACCELERATION, REST, YAW_ACCELERATION, Limits, pieces
+from estimation.experiments.manoeuvres import ACCELERATION, REST_DURATION, YAW_ACCELERATION, Limits, pieces
 from planning.references import PathReference
 
 from .sealed.__main__ import seeds
@@ -111,12 +111,12 @@ def at_random(random: np.random.Generator, cart: CartModel, limits: Limits = LIM
         wanted = random.uniform(-most, most)
         ramp = _ramp(wanted - speeds)
         duration = max(round(float(random.uniform(*HOLDS)), 1), ramp + PERIOD)
-        if duration + _ramp(wanted) + REST > left:
+        if duration + _ramp(wanted) + REST_DURATION > left:
             break
         chosen += [Stretch(ramp, *((wanted - speeds) / ramp)), Stretch(duration - ramp)]
         speeds, left = wanted, left - duration
     ramp = _ramp(speeds)
-    return StoredReference((*chosen, Stretch(ramp, *(-speeds / ramp)), Stretch(REST)), says="at random")
+    return StoredReference((*chosen, Stretch(ramp, *(-speeds / ramp)), Stretch(REST_DURATION)), says="at random")
 
 
 def _ramp(change: np.ndarray) -> float:

@@ -14,17 +14,17 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.reference_file import Stretch
 
-STEP = 0.02
+MANOEUVRE_TIME_STEP = 0.02
 """s: ramps and holds are whole multiples, and motions are looked at so often."""
-HOLD, REST = 1.6, 0.3
+HOLD_DURATION, REST_DURATION = 1.6, 0.3
 """How long a motion is held, and how long a rest lasts, s."""
-SLOW = 0.3
+SLOW_SPEED_RATIO = 0.3
 """The slow speed, as a share of the highest one."""
 ACCELERATION, YAW_ACCELERATION = 0.6, 1.0
-FASTEST_TURN, TURN_PER_SPEED = 0.6, 0.8
+MAX_YAW_RATE, YAW_RATE_PER_SPEED = 0.6, 0.8
 """rad/s; rad/m."""
-SPEEDS, SHORTEST, LONGEST = (0.05, 3.0), 8.0, 600.0
-COUNTED = ("", "twice", "three times", "four times")
+SPEED_BOUNDS, MIN_EXPERIMENT_DURATION, MAX_EXPERIMENT_DURATION = (0.05, 3.0), 8.0, 600.0
+COUNT_WORDS = ("", "twice", "three times", "four times")
 
 
 @dataclass(frozen=True)
@@ -35,15 +35,18 @@ class Limits:
     duration: float = 20.0
 
     def __post_init__(self) -> None:
-        low, high = SPEEDS
+        low, high = SPEED_BOUNDS
         if not low <= self.speed <= high:
             raise UsageError(f"limits of a manoeuvre: speed {self.speed:g} m/s: give {low:g} to {high:g}")
-        if not SHORTEST <= self.duration <= LONGEST:
-            raise UsageError(f"limits of a manoeuvre: duration {self.duration:g} s: give {SHORTEST:g} to {LONGEST:g}")
+        if not MIN_EXPERIMENT_DURATION <= self.duration <= MAX_EXPERIMENT_DURATION:
+            raise UsageError(
+                f"limits of a manoeuvre: duration {self.duration:g} s: give {MIN_EXPERIMENT_DURATION:g} to "
+                f"{MAX_EXPERIMENT_DURATION:g}"
+            )
 
     @property
     def yaw_rate(self) -> float:
-        return min(FASTEST_TURN, TURN_PER_SPEED * self.speed)
+        return min(MAX_YAW_RATE, YAW_RATE_PER_SPEED * self.speed)
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ class Place:
 
 def pieces(limits: Limits, constraints: RollingConstraints) -> tuple[Piece, ...]:
     """What a cart with these constraints can do, from the simplest on."""
-    fast, slow, rate = limits.speed, SLOW * limits.speed, limits.yaw_rate
+    fast, slow, rate = limits.speed, SLOW_SPEED_RATIO * limits.speed, limits.yaw_rate
     found = [
         Piece(f"roll {way} at {speed:.2g} m/s", _held(sign * speed, 0.0))
         for speed in (slow, fast)
@@ -93,13 +96,15 @@ SIDES = (("left", 1.0), ("right", -1.0))
 def said(parts: Sequence[Piece]) -> str:
     """One after the other, in words."""
     counted = [(says, len(list(same))) for says, same in groupby(part.says for part in parts)]
-    return ", ".join(f"{says} {COUNTED[n - 1] if n <= len(COUNTED) else f'{n} times'}".rstrip() for says, n in counted)
+    return ", ".join(
+        f"{says} {COUNT_WORDS[n - 1] if n <= len(COUNT_WORDS) else f'{n} times'}".rstrip() for says, n in counted
+    )
 
 
 def sampled(piece: Piece) -> tuple[Array, Array, Array]:
     """Times (n,) since its beginning, (u, w, r) and their rates (n, 3), in the middles of steps."""
-    n = round(piece.duration / STEP)
-    time = np.asarray(STEP * (np.arange(n) + 0.5), dtype=float)
+    n = round(piece.duration / MANOEUVRE_TIME_STEP)
+    time = np.asarray(MANOEUVRE_TIME_STEP * (np.arange(n) + 0.5), dtype=float)
     edges = np.cumsum([0.0, *(stretch.duration for stretch in piece.stretches)])
     rates = np.array([[one.acceleration, 0.0, one.yaw_acceleration] for one in piece.stretches])
     starts: Array = np.vstack([np.zeros(3), np.cumsum(rates * np.diff(edges)[:, None], axis=0)])
@@ -110,9 +115,9 @@ def sampled(piece: Piece) -> tuple[Array, Array, Array]:
 
 def path(velocity_b: Array, start: Array) -> tuple[Array, Array]:
     """Poses (n, 3) in the middles of steps of a velocity (n, 3) in {b}, and the last one (3,), from a start (3,)."""
-    turned = start[2] + STEP * np.cumsum(velocity_b[:, 2])
-    heading = turned - STEP * velocity_b[:, 2] / 2
-    moved = STEP * (body_to_world(heading) @ velocity_b[..., None])[..., 0]
+    turned = start[2] + MANOEUVRE_TIME_STEP * np.cumsum(velocity_b[:, 2])
+    heading = turned - MANOEUVRE_TIME_STEP * velocity_b[:, 2] / 2
+    moved = MANOEUVRE_TIME_STEP * (body_to_world(heading) @ velocity_b[..., None])[..., 0]
     there = start[:2] + np.cumsum(moved[:, :2], axis=0)
     middles = np.column_stack([there - moved[:, :2] / 2, heading])
     return middles, np.array([*there[-1], turned[-1]])
@@ -122,7 +127,7 @@ def _held(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
     """Up to a speed and a yaw rate, along there, and down to a short rest."""
     ramp = _whole(max(abs(speed) / ACCELERATION, abs(yaw_rate) / YAW_ACCELERATION))
     rates = speed / ramp, yaw_rate / ramp
-    return Stretch(ramp, *rates), Stretch(HOLD), Stretch(ramp, -rates[0], -rates[1]), Stretch(REST)
+    return Stretch(ramp, *rates), Stretch(HOLD_DURATION), Stretch(ramp, -rates[0], -rates[1]), Stretch(REST_DURATION)
 
 
 def _swung(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
@@ -132,10 +137,10 @@ def _swung(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
     over = 2 * ramp
     return (
         *(Stretch(ramp, *up), Stretch(over, *down), Stretch(over, *up), Stretch(over, *down), Stretch(ramp, *up)),
-        Stretch(REST),
+        Stretch(REST_DURATION),
     )
 
 
 def _whole(duration: float) -> float:
     """A multiple of the step, no shorter."""
-    return round(STEP * math.ceil(duration / STEP - 1e-9), 6)
+    return round(MANOEUVRE_TIME_STEP * math.ceil(duration / MANOEUVRE_TIME_STEP - 1e-9), 6)

@@ -10,10 +10,10 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.reference_file import StoredReference
 
-from .manoeuvres import STEP, Limits, Piece, Place, pieces, said
+from .manoeuvres import MANOEUVRE_TIME_STEP, Limits, Piece, Place, pieces, said
 from .separation import Belief, Evidence, Hands, traced
 
-SURELY = 10.0
+HALF_VALUE_SIGMAS = 10.0
 """Deviations at which more of them are worth half."""
 
 
@@ -84,13 +84,13 @@ class Experiment:
         found = zip(self.questions, course.evidence, strict=True)
         squares = np.array([question.before**2 + one.deviations**2 for question, one in found])
         weights = np.array([one.weight for one in self.questions])
-        return float(weights @ (squares / (squares + SURELY**2)))
+        return float(weights @ (squares / (squares + HALF_VALUE_SIGMAS**2)))
 
     def proposed(self, limits: Limits, start: Array, time: float = 0.0) -> Proposal:
         """Each piece is the one that tells most beside those before it, until the time is over."""
         known = pieces(limits, self.beliefs[0].cart.constraints)
         course, left = self.begun(start, time), limits.duration
-        while fitting := [piece for piece in known if piece.duration <= left + STEP / 2]:
+        while fitting := [piece for piece in known if piece.duration <= left + MANOEUVRE_TIME_STEP / 2]:
             course = max((self.after(course, piece) for piece in fitting), key=self.told)
             left -= course.pieces[-1].duration
         return self.judged(course, start)

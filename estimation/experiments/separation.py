@@ -24,13 +24,13 @@ from cartgrasp.information import WrenchNoise, reduced_noise
 from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import regressor_b
 
-from .manoeuvres import STEP, Piece, Place, path, sampled
+from .manoeuvres import MANOEUVRE_TIME_STEP, Piece, Place, path, sampled
 
-LATENESS_STEP = 1e-4
+DELAY_PARAMETER_STEP = 1e-4
 """The step in a sensor effect's parameter for finite differences of its lateness."""
-QUIETEST, STILLEST = 1e-2, 1e-5
+MIN_SIMULATED_WRENCH_NOISE, MIN_SIMULATED_POSE_NOISE = 1e-2, 1e-5
 """N and N·m; m: simulated sensors may have no noise at all."""
-WINDOW = 0.5
+LATERAL_SPEED_WINDOW = 0.5
 """s: over which poses tell the speed across the wheels."""
 
 
@@ -60,13 +60,17 @@ class Hands:
 
     def weights(self, cart: CartModel) -> Array:
         """What rows (f, or f + 1 with the speed across the wheels) are multiplied by, (c, c)."""
-        noise = replace(self.noise, **{k: max(getattr(self.noise, k), QUIETEST) for k in ("force", "moment")})
+        noise = replace(
+            self.noise, **{k: max(getattr(self.noise, k), MIN_SIMULATED_WRENCH_NOISE) for k in ("force", "moment")}
+        )
         root = np.linalg.cholesky(np.linalg.inv(reduced_noise(cart, list(self.contacts.values()), noise))).T
-        across = WINDOW / (np.sqrt(2.0 * noise.rate * WINDOW) * max(self.position, STILLEST))
+        across = LATERAL_SPEED_WINDOW / (
+            np.sqrt(2.0 * noise.rate * LATERAL_SPEED_WINDOW) * max(self.position, MIN_SIMULATED_POSE_NOISE)
+        )
         f = len(root)
         weights = np.zeros((f + 1, f + 1)) if _is_seen_across(cart) else np.zeros((f, f))
         weights[f:, f:], weights[:f, :f] = across, root
-        return np.asarray((self.noise.rate * STEP) ** 0.5 * weights)
+        return np.asarray((self.noise.rate * MANOEUVRE_TIME_STEP) ** 0.5 * weights)
 
 
 @dataclass(frozen=True, eq=False)
@@ -119,7 +123,7 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
     memory = cart.memory_along(pose, nu, time, first=begin.memory)
     state = np.hstack([pose, nu, memory])
     inverse = cart.inverse(state, nu_rate, time=time)
-    late = np.gradient(inverse.wrench, STEP, axis=0)
+    late = np.gradient(inverse.wrench, MANOEUVRE_TIME_STEP, axis=0)
     value = inverse.wrench - late * np.mean([cart.lateness(arm) for arm in hands.contacts])
     slopes = inverse.by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
     for arm, recorded in hands.shared(cart, inverse.wrench).items():
@@ -158,6 +162,6 @@ def _lateness_slopes(cart: CartModel, arms: Collection[str]) -> Array:
     slopes = np.zeros(len(cart.parameters))
     for effect, where in cart.sensor_effects:
         share = np.mean([effect.concerns(arm) for arm in arms])
-        moved = (effect.with_values(effect.values + step) for step in LATENESS_STEP * np.eye(len(effect.values)))
-        slopes[where] = [share * (one.lateness - effect.lateness) / LATENESS_STEP for one in moved]
+        moved = (effect.with_values(effect.values + step) for step in DELAY_PARAMETER_STEP * np.eye(len(effect.values)))
+        slopes[where] = [share * (one.lateness - effect.lateness) / DELAY_PARAMETER_STEP for one in moved]
     return slopes

@@ -12,11 +12,11 @@ from cartgrasp.information import WrenchNoise, fisher_information, parameter_reg
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 
-PERIOD, DURATION = 0.02, 12.0
-SPEED, YAW_RATE = 0.5, 0.5
-CLEARLY = 0.8
+MOTION_SAMPLE_PERIOD, MOTION_DURATION = 0.02, 12.0
+MOTION_SPEED, MOTION_YAW_RATE = 0.5, 0.5
+MAX_REMAINING_VARIANCE_RATIO = 0.8
 """Largest share of a simpler motion's variance that a better motion may leave."""
-REACH = 0.3
+HANDLE_LEVER = 0.3
 """m: levers of two hands at a handle."""
 
 
@@ -31,11 +31,11 @@ class TeachingMotion:
         """Times (n,), the cart's states (n, ...) and nu' (n, f) at them."""
         velocity = self.twist_b @ np.linalg.pinv(cart.basis_b).T
         velocity = np.asarray(np.where(np.abs(velocity) < 1e-12, 0.0, velocity), dtype=float)
-        acceleration = np.gradient(velocity, PERIOD, axis=0)
+        acceleration = np.gradient(velocity, MOTION_SAMPLE_PERIOD, axis=0)
         pose = np.zeros((len(velocity), 3))
         for i in range(len(pose) - 1):
-            pose[i + 1] = pose[i] + PERIOD * body_to_world(pose[i, 2]) @ cart.basis_b @ velocity[i]
-        time = np.asarray(PERIOD * np.arange(len(pose)), dtype=float)
+            pose[i + 1] = pose[i] + MOTION_SAMPLE_PERIOD * body_to_world(pose[i, 2]) @ cart.basis_b @ velocity[i]
+        time = np.asarray(MOTION_SAMPLE_PERIOD * np.arange(len(pose)), dtype=float)
         memory = cart.memory_along(pose, velocity, time)
         return time, np.hstack([pose, velocity, memory]), acceleration
 
@@ -43,31 +43,35 @@ class TeachingMotion:
         """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
         _, state, acceleration = self.along(cart)
         regressor = parameter_regressor(cart, state, acceleration)
-        hands = [(-REACH, REACH, 1.0), (-REACH, -REACH, 1.0)]
-        return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * PERIOD
+        hands = [(-HANDLE_LEVER, HANDLE_LEVER, 1.0), (-HANDLE_LEVER, -HANDLE_LEVER, 1.0)]
+        return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * MOTION_SAMPLE_PERIOD
 
 
 def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning: ArrayLike = 0.0) -> TeachingMotion:
-    time = np.arange(0.0, DURATION, PERIOD)
+    time = np.arange(0.0, MOTION_DURATION, MOTION_SAMPLE_PERIOD)
     return TeachingMotion(says, np.stack([np.broadcast_to(part, time.shape) for part in (forward, aside, turning)], -1))
 
 
 def teaching_motions() -> tuple[TeachingMotion, ...]:
     """The motions, the simplest first."""
-    time = np.arange(0.0, DURATION, PERIOD)
+    time = np.arange(0.0, MOTION_DURATION, MOTION_SAMPLE_PERIOD)
     wave, other = np.sin(2 * np.pi * time / 3.0), np.sin(2 * np.pi * time / 4.4)
-    slow = np.sin(2 * np.pi * time / DURATION)
+    slow = np.sin(2 * np.pi * time / MOTION_DURATION)
     return (
-        _motion("roll straight at a steady speed", SPEED),
-        _motion("speed up and brake on a straight line, forwards", SPEED * (0.6 + 0.4 * wave)),
-        _motion("roll straight at several speeds, forwards and backwards", SPEED * slow),
-        _motion("push forwards and backwards on a straight line", SPEED * wave),
-        _motion("turn left and right on the spot", turning=YAW_RATE * wave),
-        _motion("drive a steady curve", SPEED, turning=YAW_RATE),
-        _motion("drive curves to both sides at a changing speed", SPEED * (0.6 + 0.4 * wave), turning=YAW_RATE * other),
-        _motion("drive curves forwards and backwards", SPEED * wave, turning=YAW_RATE * other),
-        _motion("push it sideways to and fro", aside=SPEED * wave),
-        _motion("push it sideways while it turns", aside=SPEED * wave, turning=YAW_RATE * other),
+        _motion("roll straight at a steady speed", MOTION_SPEED),
+        _motion("speed up and brake on a straight line, forwards", MOTION_SPEED * (0.6 + 0.4 * wave)),
+        _motion("roll straight at several speeds, forwards and backwards", MOTION_SPEED * slow),
+        _motion("push forwards and backwards on a straight line", MOTION_SPEED * wave),
+        _motion("turn left and right on the spot", turning=MOTION_YAW_RATE * wave),
+        _motion("drive a steady curve", MOTION_SPEED, turning=MOTION_YAW_RATE),
+        _motion(
+            "drive curves to both sides at a changing speed",
+            MOTION_SPEED * (0.6 + 0.4 * wave),
+            turning=MOTION_YAW_RATE * other,
+        ),
+        _motion("drive curves forwards and backwards", MOTION_SPEED * wave, turning=MOTION_YAW_RATE * other),
+        _motion("push it sideways to and fro", aside=MOTION_SPEED * wave),
+        _motion("push it sideways while it turns", aside=MOTION_SPEED * wave, turning=MOTION_YAW_RATE * other),
     )
 
 
@@ -81,6 +85,6 @@ def remedy(estimate: Estimate, free: np.ndarray, direction: Array, noise: Wrench
     best, least = None, 0.5 * float(v @ np.linalg.solve(known, v))
     for motion in teaching_motions():
         after = float(v @ np.linalg.solve(known + motion.information(cart, noise)[part], v))
-        if after < CLEARLY * least:
+        if after < MAX_REMAINING_VARIANCE_RATIO * least:
             best, least = motion.says, after
     return best

@@ -2,8 +2,9 @@
 
 Around an instant motions are parabolas with two breaks, told apart by how well they fit:
 
-- *sudden*: the speed changes over `SUDDEN` at most, and the acceleration may be another before and after;
-- *gradual*: the acceleration breaks twice, at least `GRADUAL` apart, as under a push, or once, as under a step of it;
+- *sudden*: the speed changes over `MAX_TOUCH_DURATION` at most, and the acceleration may be another before and after;
+- *gradual*: the acceleration breaks twice, at least `MIN_PUSH_DURATION` apart, as under a push, or once, as under a
+  step of it;
 - *smooth*: a cubic and a quartic, or a wave;
 - *jumping*: the place itself jumps twice, as a tracker's does, or once beside a break of the acceleration.
 
@@ -13,9 +14,9 @@ is left is coloured where places are rounded or repeated, or where a parabola is
 rows that are worth an independent one (`_worth`).
 
 Where another hypothesis holds, a log likelihood ratio exceeds c with a probability of e^-c at most. So a corner is told
-where it beats a mere break of the acceleration by log(N / `FALSE`) at one of N instants, and each other hypothesis by
-log(K / `FALSE`) at one of the K instants that are left; and where its jump stands as far out of the jumps that fit the
-motion everywhere else: what a log shows all the time is not sudden in it.
+where it beats a mere break of the acceleration by log(N / `FALSE_CORNER_PROBABILITY`) at one of N instants, and each
+other hypothesis by log(K / `FALSE_CORNER_PROBABILITY`) at one of the K instants that are left; and where its jump
+stands as far out of the jumps that fit the motion everywhere else: what a log shows all the time is not sudden in it.
 
 What throws the motion back at one place again and again is one thing: three corners or more there, which turn it the
 same way, are told by the sum of their evidence.
@@ -35,27 +36,27 @@ from cartgrasp.frames import Array
 
 from ..log_noise.log_noise import MAD_TO_STD
 
-REACH, FEWEST = 0.4, 8
+CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS = 0.4, 8
 """s to either side, and rows where these are few: what a parabola follows, and what it takes to tell."""
-NEAREST = 0.15
-"""s to either side that are needed at least: less shows no parabola beside a touch of `SUDDEN`."""
-SUDDEN, GRADUAL = 0.1, 0.3
+MIN_HALF_WINDOW = 0.15
+"""s to either side that are needed at least: less shows no parabola beside a touch of `MAX_TOUCH_DURATION`."""
+MAX_TOUCH_DURATION, MIN_PUSH_DURATION = 0.1, 0.3
 """s: bumpers and walls are touched for pi sqrt(m / k), 0.1 s at 20 kg and 20 kN/m; hands push for 0.3 s or more."""
-EVERY = 0.02
+CORNER_TIME_STEP = 0.02
 """s between instants that are tried."""
-PERIODS = (0.6, 0.75, 0.95, 1.2, 1.5)
-"""s, of waves: twice `GRADUAL` to what a window shows no more of than a quartic does."""
-BREAKS = 0.05
+WAVE_PERIODS = (0.6, 0.75, 0.95, 1.2, 1.5)
+"""s, of waves: twice `MIN_PUSH_DURATION` to what a window shows no more of than a quartic does."""
+ACCELERATION_BREAK_STEP = 0.05
 """s between places where accelerations may break."""
-NUMBERS = 7
+N_HYPOTHESIS_PARAMETERS = 7
 """That a hypothesis has."""
-FALSE = 0.01
+FALSE_CORNER_PROBABILITY = 0.01
 """Probability that a log without a corner has one told, for each hypothesis that may hold there."""
-ONE_PLACE, OFTEN = 0.03, 3
+CORNER_PLACE_TOLERANCE, MIN_CORNERS_AT_PLACE = 0.03, 3
 """m, rad: how well a corner's place is known; corners that make a place one where motion is thrown back."""
-FINEST = 2e-6
+MIN_POSE_NOISE = 2e-6
 """m, rad: no tracker knows a place better."""
-BLOCK = 256
+INSTANTS_PER_BLOCK = 256
 
 
 @dataclass(frozen=True)
@@ -64,7 +65,7 @@ class Track:
 
     time: Array
     place: Array
-    noise: float = FINEST
+    noise: float = MIN_POSE_NOISE
 
 
 class Corner(NamedTuple):
@@ -126,8 +127,8 @@ def _sizes(products: tuple[Array, Array, Array], ay: Array, by: Array) -> tuple[
 def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
     """The corners of a track in order of time; `n_tracks` are looked at in all. The clearest is looked at first: it
     parts the track for the rest."""
-    instants = track.time[np.unique((track.time - track.time[0]) // EVERY, return_index=True)[1]]
-    least = math.log(n_tracks * len(instants) / FALSE)
+    instants = track.time[np.unique((track.time - track.time[0]) // CORNER_TIME_STEP, return_index=True)[1]]
+    least = math.log(n_tracks * len(instants) / FALSE_CORNER_PROBABILITY)
     found, unsure = list[Corner](), list[Corner]()
     evidence, jumps = _scanned(track, instants, found)
     usual = float(np.median(np.abs(jumps[jumps != 0.0]))) * MAD_TO_STD if jumps.any() else 0.0
@@ -136,16 +137,16 @@ def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
         best = int(np.argmax(evidence))
         corner = _told(track, float(instants[best]), found)
         tried += 1
-        evidence[np.abs(instants - instants[best]) < SUDDEN] = 0.0
+        evidence[np.abs(instants - instants[best]) < MAX_TOUCH_DURATION] = 0.0
         if corner is None or abs(corner.jump) <= math.sqrt(2 * least) * usual:
             continue
-        if corner.evidence <= -math.log(FALSE):
+        if corner.evidence <= -math.log(FALSE_CORNER_PROBABILITY):
             unsure.append(corner)
             continue
         found.append(corner)
         around = (np.abs(instants - corner.time) < 2 * reach_of(track)) & (evidence > 0.0)
         evidence[around], _ = _scanned(track, instants[around], found)
-    needed = math.log(max(tried, 1) * n_tracks / FALSE)
+    needed = math.log(max(tried, 1) * n_tracks / FALSE_CORNER_PROBABILITY)
     known = [*found, *unsure]
     return sorted(one for one in known if one.evidence > needed or _evidence_of_place(track, one, known) > needed)
 
@@ -156,9 +157,9 @@ def _evidence_of_place(track: Track, corner: Corner, known: Sequence[Corner]) ->
     times = np.array([one.time for one in known])
     places = np.interp([corner.time, *times], track.time, track.place)
     alike = np.sign([one.jump for one in known]) == np.sign(corner.jump)
-    there = alike & (np.abs(places[1:] - places[0]) < ONE_PLACE)
+    there = alike & (np.abs(places[1:] - places[0]) < CORNER_PLACE_TOLERANCE)
     evidence = np.array([one.evidence for one in known])[there]
-    return float(evidence.sum()) if len(evidence) >= OFTEN else 0.0
+    return float(evidence.sum()) if len(evidence) >= MIN_CORNERS_AT_PLACE else 0.0
 
 
 def jump_at(track: Track, time: float, lasts: float) -> float:
@@ -172,14 +173,18 @@ def jump_at(track: Track, time: float, lasts: float) -> float:
 
 def reach_of(track: Track) -> float:
     """s to either side of an instant that are looked at."""
-    return max(REACH, FEWEST * float(np.median(np.diff(track.time)))) if len(track.time) > 1 else REACH
+    return (
+        max(CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS * float(np.median(np.diff(track.time))))
+        if len(track.time) > 1
+        else CORNER_HALF_WINDOW
+    )
 
 
 def without_corner(found: Sequence[Corner], at: Array) -> tuple[Array, Array]:
     """The times (m,) from which and until which the motion around instants (m,) has no corner."""
     times = np.array([-np.inf, *sorted(corner.time for corner in found), np.inf])
     after = np.searchsorted(times[1:-1], at, side="right")
-    return times[after] + SUDDEN / 2, times[after + 1] - SUDDEN / 2
+    return times[after] + MAX_TOUCH_DURATION / 2, times[after + 1] - MAX_TOUCH_DURATION / 2
 
 
 def turning(time: Array, at: Array, lasts: Array) -> Array:
@@ -197,9 +202,9 @@ def _scanned(track: Track, instants: Array, found: Sequence[Corner]) -> tuple[Ar
     """Evidence (m,) of a corner at each instant against a mere break of the acceleration there, and by how much the
     speed changes at it (m,); 0 where it can't be told."""
     evidence, jumps = np.zeros((2, len(instants)))
-    lasts = np.array([0.0, SUDDEN / 2, SUDDEN])[:, None]
-    for start in range(0, len(instants), BLOCK):
-        block = instants[start : start + BLOCK]
+    lasts = np.array([0.0, MAX_TOUCH_DURATION / 2, MAX_TOUCH_DURATION])[:, None]
+    for start in range(0, len(instants), INSTANTS_PER_BLOCK):
+        block = instants[start : start + INSTANTS_PER_BLOCK]
         rows, windows = windows_around(track, block, found)
         if not len(rows):
             continue
@@ -221,12 +226,12 @@ def _told(track: Track, instant: float, found: Sequence[Corner]) -> Corner | Non
     rows, windows = windows_around(track, np.array([instant]), found)
     if not len(rows):
         return None
-    at, lasts = np.meshgrid(np.arange(-6, 7) / 100, np.arange(0, 6) * SUDDEN / 5)
+    at, lasts = np.meshgrid(np.arange(-6, 7) / 100, np.arange(0, 6) * MAX_TOUCH_DURATION / 5)
     at, lasts = at.reshape(-1, 1), lasts.reshape(-1, 1)
     left, bends, jumps = windows.left(_bent(windows.time, at)[None], turning(windows.time, at, lasts)[None])
     squares = windows.squares(left)[0]
     best = int(squares.argmin())
-    if abs(jumps[0, best]) < SUDDEN * abs(bends[0, best]):
+    if abs(jumps[0, best]) < MAX_TOUCH_DURATION * abs(bends[0, best]):
         return None
     worth = float(_worth(left[:, best], windows.seen)[0])
     evidence = math.inf
@@ -241,23 +246,23 @@ Others = tuple[Array, tuple[np.ndarray, np.ndarray]]
 
 def _gradual(time: Array) -> Others:
     """Pairs of breaks of the acceleration."""
-    places = np.arange(time[0], time[-1] + BREAKS, BREAKS)
+    places = np.arange(time[0], time[-1] + ACCELERATION_BREAK_STEP, ACCELERATION_BREAK_STEP)
     first, second = np.triu_indices(len(places))
-    apart = places[second] - places[first] > GRADUAL - BREAKS / 2
+    apart = places[second] - places[first] > MIN_PUSH_DURATION - ACCELERATION_BREAK_STEP / 2
     return _bent(time, places[:, None]), (first[apart], second[apart])
 
 
 def _smooth(time: Array) -> Others:
     """A cubic and a quartic, and both phases of waves."""
-    pace = 2 * np.pi / np.array(PERIODS)[:, None] * time
-    each = np.arange(1 + len(PERIODS))
+    pace = 2 * np.pi / np.array(WAVE_PERIODS)[:, None] * time
+    each = np.arange(1 + len(WAVE_PERIODS))
     return np.vstack([time**3, np.cos(pace), time**4, np.sin(pace)]), (each, len(each) + each)
 
 
 def _jumping(time: Array) -> Others:
     """Pairs of jumps, and jumps beside a break of the acceleration."""
     steps = np.tri(len(time), k=-1)[:, :-1].T
-    bends = _bent(time, np.arange(time[0], time[-1], BREAKS)[:, None])
+    bends = _bent(time, np.arange(time[0], time[-1], ACCELERATION_BREAK_STEP)[:, None])
     first, second = np.triu_indices(len(steps), 1, len(steps) + len(bends))
     return np.concatenate([steps, bends]), (first, second)
 
@@ -269,11 +274,18 @@ def windows_around(track: Track, instants: Array, found: Sequence[Corner]) -> tu
     first = np.searchsorted(time, np.maximum(instants - reach, since))
     last = np.searchsorted(time, np.minimum(instants + reach, until), side="right")
     here = np.searchsorted(time, instants, side="right")
-    rows = np.flatnonzero((here - first >= FEWEST / 2) & (last - here >= FEWEST / 2) & (here < len(time)))
+    rows = np.flatnonzero(
+        (here - first >= MIN_HALF_WINDOW_ROWS / 2) & (last - here >= MIN_HALF_WINDOW_ROWS / 2) & (here < len(time))
+    )
     begins, before = time[first[rows]], time[here[rows] - 1]
     after, ends = time[here[rows]], time[last[rows] - 1]
     at = instants[rows]
-    enough = (at - begins >= NEAREST) & (ends - at >= NEAREST) & (at - before < SUDDEN) & (after - at < SUDDEN)
+    enough = (
+        (at - begins >= MIN_HALF_WINDOW)
+        & (ends - at >= MIN_HALF_WINDOW)
+        & (at - before < MAX_TOUCH_DURATION)
+        & (after - at < MAX_TOUCH_DURATION)
+    )
     rows = rows[enough]
     index = first[rows, None] + np.arange(int((last - first)[rows].max(initial=0)))
     seen = index < last[rows, None]
@@ -289,5 +301,5 @@ def _worth(left: Array, seen: np.ndarray) -> Array:
     squares = np.maximum((left**2).sum(axis=-1), np.finfo(float).tiny)
     follows = np.clip((left[:, 1:] * left[:, :-1]).sum(axis=-1) / squares, 0.0, 1.0)
     n = seen.sum(axis=-1)
-    independent = np.maximum(n * (1 - follows) / (1 + follows), 2 * NUMBERS)
-    return np.asarray(np.maximum(np.minimum(n, independent) - NUMBERS, 0.0))
+    independent = np.maximum(n * (1 - follows) / (1 + follows), 2 * N_HYPOTHESIS_PARAMETERS)
+    return np.asarray(np.maximum(np.minimum(n, independent) - N_HYPOTHESIS_PARAMETERS, 0.0))

@@ -12,10 +12,10 @@ from cartgrasp.effects import EndStop
 
 from .impacts import Impact
 
-FEWEST = 3
-SAME = 0.1
+MIN_STOP_IMPACTS = 3
+STOP_POSITION_TOLERANCE = 0.1
 """m: what a bumper gives, and how far off a tracker may be."""
-ALONG = 0.5
+MIN_HEADING_COSINE = 0.5
 """Cosine of the heading: a cart that goes more across than along x is stopped by something else than a place on x."""
 
 
@@ -33,7 +33,7 @@ class StopEstimate:
 
     def is_at(self, known: EndStop) -> bool:
         """Whether it is a stop that a cart has already."""
-        return self.side == known.side and abs(self.position - known.position) < SAME
+        return self.side == known.side and abs(self.position - known.position) < STOP_POSITION_TOLERANCE
 
     def effect(self, label: str = "") -> EndStop:
         """For a cart, to bounce off."""
@@ -41,11 +41,11 @@ class StopEstimate:
 
 
 def end_stops(impacts: Sequence[Impact]) -> tuple[StopEstimate, ...]:
-    """Those that were hit `FEWEST` times or more, by their place."""
+    """Those that were hit `MIN_STOP_IMPACTS` times or more, by their place."""
     found = []
     for side in (1.0, -1.0):
         left = [impact for impact in impacts if _turns(impact, side)]
-        while len(together := _most_together(left)) >= FEWEST:
+        while len(together := _most_together(left)) >= MIN_STOP_IMPACTS:
             found.append(_estimate(together, side))
             left = [impact for impact in left if impact not in together]
     return tuple(sorted(found, key=lambda one: one.position))
@@ -54,12 +54,14 @@ def end_stops(impacts: Sequence[Impact]) -> tuple[StopEstimate, ...]:
 def _turns(impact: Impact, side: float) -> bool:
     """Whether the cart came from a side along x, and went back."""
     along = side * math.cos(impact.pose[2])
-    return abs(along) >= ALONG and impact.speed_before * along > 0.0 >= impact.speed_after * along
+    return abs(along) >= MIN_HEADING_COSINE and impact.speed_before * along > 0.0 >= impact.speed_after * along
 
 
 def _most_together(impacts: Sequence[Impact]) -> list[Impact]:
-    """The most that are within `SAME`."""
-    groups = [[one for one in impacts if 0.0 <= one.pose[0] - first.pose[0] <= SAME] for first in impacts]
+    """The most that are within `STOP_POSITION_TOLERANCE`."""
+    groups = [
+        [one for one in impacts if 0.0 <= one.pose[0] - first.pose[0] <= STOP_POSITION_TOLERANCE] for first in impacts
+    ]
     return max(groups, key=len, default=[])
 
 

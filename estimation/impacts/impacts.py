@@ -20,22 +20,22 @@ from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import noise_floor
 from ..log_noise.outliers import outlying
-from .corners import FINEST, SUDDEN, Corner, Track, corners, jump_at, reach_of, without_corner
+from .corners import MAX_TOUCH_DURATION, MIN_POSE_NOISE, Corner, Track, corners, jump_at, reach_of, without_corner
 
-RATE = 100.0
+MAX_POSE_RATE = 100.0
 """Hz: poses that come faster are averaged; a corner is told to a hundredth of a second at best."""
-FAR = 20.0
+GLITCH_SIGMAS = 20.0
 """Times the noise of a pose, from which one is a glitch among its neighbours."""
-SAME = 1e-9
+ROUNDING_TOLERANCE = 1e-9
 """m, rad: values that differ by less are one value, written with other digits."""
-WHOLE = 1e-3
+QUANTUM_TOLERANCE = 1e-3
 """Share of a step within which a difference is a whole multiple of it."""
-EXPLAINED = 0.1
+MIN_ARM_SHARE = 0.1
 """Share of a corner from which the arms explain it, by a roughly known mass. What stops a cart pushes against the arms,
 not along with them."""
-LATE, WIDE = 0.05, 1.0
+MAX_CLOCK_OFFSET, CORNER_WRENCH_WINDOW = 0.05, 1.0
 """s by which the clocks of wrenches and poses may differ; s around a corner that tell what the arms did."""
-LONGEST, CURVED = 1.2, 2.0
+MAX_SPEED_FIT_DURATION, CURVATURE_SIGMAS = 1.2, 2.0
 """s, of motion that tells the speed at its end; standard deviations of a cubic from which less of it is taken."""
 
 
@@ -76,17 +76,17 @@ class _Poses(NamedTuple):
 
 
 def _poses(log: RunLog) -> _Poses:
-    """Headings unwrapped, without glitches, at most at `RATE`."""
+    """Headings unwrapped, without glitches, at most at `MAX_POSE_RATE`."""
     seen = np.isfinite(log.pose).all(axis=1)
     time, pose = log.time[seen], log.pose[seen].copy()
     pose[:, 2] = np.unwrap(pose[:, 2])
     rounding = np.array([_rounded(column) for column in log.pose[seen].T])
-    far = [FAR * noise_floor(column) + 2 * step for column, step in zip(pose.T, rounding, strict=True)]
+    far = [GLITCH_SIGMAS * noise_floor(column) + 2 * step for column, step in zip(pose.T, rounding, strict=True)]
     sound = ~np.any([outlying(column, limit) for column, limit in zip(pose.T, far, strict=True)], axis=0)
     time, pose = time[sound], pose[sound]
     if len(time) < 2:
         return _Poses(time, pose, rounding)
-    _, first = np.unique(np.floor((time - time[0]) * RATE + SAME), return_index=True)
+    _, first = np.unique(np.floor((time - time[0]) * MAX_POSE_RATE + ROUNDING_TOLERANCE), return_index=True)
     count = np.diff(np.append(first, len(time)))
     mean = np.add.reduceat(np.column_stack([time, pose]), first, axis=0) / count[:, None]
     return _Poses(mean[:, 0], mean[:, 1:], rounding)
@@ -95,11 +95,11 @@ def _poses(log: RunLog) -> _Poses:
 def _rounded(column: Array) -> float:
     """The step of which all differences between values are whole multiples; 0 where there is none."""
     steps = np.diff(np.unique(column))
-    steps = steps[steps > SAME]
+    steps = steps[steps > ROUNDING_TOLERANCE]
     if not len(steps):
         return 0.0
     step = float(steps.min())
-    return step if (np.abs(steps - np.round(steps / step) * step) < WHOLE * step).all() else 0.0
+    return step if (np.abs(steps - np.round(steps / step) * step) < QUANTUM_TOLERANCE * step).all() else 0.0
 
 
 def _tracks(poses: _Poses, cart: CartModel) -> list[Track]:
@@ -110,7 +110,7 @@ def _tracks(poses: _Poses, cart: CartModel) -> list[Track]:
     step[:, :2] = (step[:, None, :2] @ rotation_planar(middle))[:, 0]
     ways = np.vstack([np.zeros(cart.constraints.n_free), np.cumsum(cart.rolling.free_velocity(step), axis=0)])
     known = {True: rounding[2], False: rounding[:2].max()}
-    noise = [max(float(known[name == "r"]) / 12**0.5, FINEST) for name in cart.constraints.velocity_names]
+    noise = [max(float(known[name == "r"]) / 12**0.5, MIN_POSE_NOISE) for name in cart.constraints.velocity_names]
     return [Track(time, way, floor) for way, floor in zip(ways.T, noise, strict=True)]
 
 
@@ -118,7 +118,7 @@ def _merged(found: Sequence[Corner]) -> list[Corner]:
     """The corners in order of time; where several are one touch, only the clearest."""
     kept: list[Corner] = []
     for corner in sorted(found, key=lambda one: -one.evidence):
-        if all(abs(corner.time - other.time) >= SUDDEN for other in kept):
+        if all(abs(corner.time - other.time) >= MAX_TOUCH_DURATION for other in kept):
             kept.append(corner)
     return sorted(kept)
 
@@ -128,7 +128,10 @@ def _impact(poses: _Poses, tracks: Sequence[Track], hits: Sequence[Corner], i: i
     at, half = hits[i].time, hits[i].lasts / 2
     others = [*hits[:i], *hits[i + 1 :]]
     since, until = (float(t[0]) for t in without_corner(others, np.array([at])))
-    sides = (max(since, at - LONGEST), at - SUDDEN / 2), (at + SUDDEN / 2, min(until, at + LONGEST))
+    sides = (
+        (max(since, at - MAX_SPEED_FIT_DURATION), at - MAX_TOUCH_DURATION / 2),
+        (at + MAX_TOUCH_DURATION / 2, min(until, at + MAX_SPEED_FIT_DURATION)),
+    )
     ends = zip((at - half, at + half), sides, strict=True)
     before, after = (_speed(tracks[0], end, side) for end, side in ends)
     reach = reach_of(tracks[0])
@@ -142,10 +145,10 @@ def _speed(track: Track, at: float, side: tuple[float, float]) -> float:
     """At one end of a stretch: of as much of it as a parabola follows."""
     low, high = side
     for longest in (1.0, 2 / 3, 1 / 3):
-        length = longest * LONGEST
+        length = longest * MAX_SPEED_FIT_DURATION
         stretch = (max(low, at - length), min(high, at + length))
         numbers, deviations = _fit(track.time, track.place, at, stretch, 3)
-        if len(numbers) < 4 or abs(numbers[3]) < CURVED * deviations[3]:
+        if len(numbers) < 4 or abs(numbers[3]) < CURVATURE_SIGMAS * deviations[3]:
             break
     return float(_fit(track.time, track.place, at, stretch)[0][1])
 
@@ -173,14 +176,14 @@ def _explained(log: RunLog, cart: CartModel, tracks: Sequence[Track], hit: Corne
     if pushed is None:
         return False
     jump = np.array([jump_at(track, hit.time, hit.lasts) for track in tracks])
-    times = hit.time + np.array([-LATE, 0.0, LATE])
+    times = hit.time + np.array([-MAX_CLOCK_OFFSET, 0.0, MAX_CLOCK_OFFSET])
     given = [[jump_at(track, float(time), hit.lasts) for track in pushed] for time in times]
-    return bool((np.array(given) @ mass @ jump).max() > EXPLAINED * jump @ mass @ jump)
+    return bool((np.array(given) @ mass @ jump).max() > MIN_ARM_SHARE * jump @ mass @ jump)
 
 
 def _pushed(log: RunLog, cart: CartModel, mass: Array, at: float) -> list[Track] | None:
     """Where the arms alone would take the cart around a time, along each free velocity; None without a wrench."""
-    rows = np.abs(log.time - at) < WIDE
+    rows = np.abs(log.time - at) < CORNER_WRENCH_WINDOW
     force = np.zeros((int(rows.sum()), len(mass)))
     for arm in log.arms.values():
         force += (cart.basis_b.T @ grasp_map_planar(arm.contact[rows]) @ arm.wrench[rows, :, None])[..., 0]

@@ -16,16 +16,16 @@ from .coasting import prior_of
 from .identification import identify
 from .replay import as_replayed, replay
 
-FAR, FAR_SHARE = 3.0, 0.05
+DISAGREEMENT_SIGMAS, DISAGREEMENT_RATIO = 3.0, 0.05
 """Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
-MOST_ROWS = 30_000
+MAX_TWICE_FITTED_ROWS = 30_000
 """Largest number of rows of a log that is looked at twice, which takes some seconds: five minutes at 100 Hz."""
 
 
 def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, cart: CartModel) -> tuple[str, ...]:
     """Where the online filter says something else of a log than `identify` did; of no log that is long."""
     thinned = as_replayed(log)
-    if len(thinned) > MOST_ROWS:
+    if len(thinned) > MAX_TWICE_FITTED_ROWS:
         return ()
     online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=prior_of([log], cart))
     last = replay(thinned, online, until=float(log.time[-1])).last
@@ -37,7 +37,7 @@ def against_identify(
 ) -> tuple[str, ...]:
     """Where `identify` says something else of a log than an online filter did, and what it has to say of the log; of no
     log that is long."""
-    if len(log) > MOST_ROWS:
+    if len(log) > MAX_TWICE_FITTED_ROWS:
         return ()
     found = identify([log], cart)
     said = (words.removeprefix(f"{log.name}: ") for one in found.logs if one.band for words in one.words)
@@ -60,7 +60,9 @@ def disagreements(
 
 def _apart(one: ParameterEstimate, other: ParameterEstimate) -> bool:
     off = abs(one.value - other.value)
-    return off > FAR * math.hypot(one.std, other.std) and off > FAR_SHARE * max(abs(one.value), abs(other.value))
+    return off > DISAGREEMENT_SIGMAS * math.hypot(one.std, other.std) and off > DISAGREEMENT_RATIO * max(
+        abs(one.value), abs(other.value)
+    )
 
 
 def _words(one: ParameterEstimate) -> str:

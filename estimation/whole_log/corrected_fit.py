@@ -23,15 +23,15 @@ from ..weak_form.balances import Balances
 from ..weak_form.coordinates import bounds, coordinates, jacobian, with_coordinates
 from ..weak_form.linearized import Linearized
 
-ROUNDS, SETTLED = 12, 0.02
+MAX_CORRECTED_ROUNDS, CORRECTED_FIT_SIGMAS = 12, 0.02
 """Most rounds in which rows are made linear; standard deviations by which the last moves a coordinate at most."""
-MOST_NOISE = 0.5
+MAX_NOISE_FRACTION = 0.5
 """Largest share of noise in the squares of a combination: one with more tells less than it hides."""
-LEAST_VARIANCE = 1e-300
+MIN_FIT_VARIANCE = 1e-300
 """Keeps fits of numbers beyond all reason finite."""
-DRAWN_ROWS, MOST_DRAWS = 400, 4
+MIN_NOISE_DRAW_ROWS, MAX_NOISE_DRAWS = 400, 4
 """So many rows of noise tell its squares to a tenth; from shorter logs it is drawn several times."""
-TAUGHT = 0.25
+IDENTIFIABLE_STD_RATIO = 0.25
 """Share of the first guess's standard deviation below which a parameter counts as taught."""
 
 
@@ -78,8 +78,10 @@ class CorrectedFit:
         prior = self.model.prior
         own = np.full(len(std), np.inf)
         own[self.free] = _deviations(self.covariance, len(self.free))
-        shrunk = own < TAUGHT * prior.std
-        return np.asarray(prior.free & shrunk & (std < TAUGHT * first) & ~self.at_bound & np.isfinite(values))
+        shrunk = own < IDENTIFIABLE_STD_RATIO * prior.std
+        return np.asarray(
+            prior.free & shrunk & (std < IDENTIFIABLE_STD_RATIO * first) & ~self.at_bound & np.isfinite(values)
+        )
 
     @property
     def parameter_covariance(self) -> Array:
@@ -92,16 +94,16 @@ def corrected(model: Model) -> CorrectedFit:
     """The corrected fit, from a model that is fitted already."""
     model = replace(model, logs=tuple(balances.beside(None) for balances in model.logs))
     generator = np.random.default_rng(0)
-    draws = int(np.clip(DRAWN_ROWS // len(model.rows), 1, MOST_DRAWS))
+    draws = int(np.clip(MIN_NOISE_DRAW_ROWS // len(model.rows), 1, MAX_NOISE_DRAWS))
     noisy = [tuple(b.with_more_noise(model.cart, generator) for b in model.logs) for _ in range(draws)]
     before, own = 0.0, np.flatnonzero(model.prior.free)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_CORRECTED_ROUNDS):
         equations = _Equations.of(model, noisy)
         found = equations.told().most_likely()
         moved = np.abs(coordinates(found.cart) - coordinates(model.cart))[own] / _deviations(found.covariance, len(own))
         model = replace(model, cart=found.resized())
         most = float((moved * ~found.at_bound[own]).max(initial=0.0))
-        if most * min(most / before if before else 1.0, 1.0) < SETTLED:
+        if most * min(most / before if before else 1.0, 1.0) < CORRECTED_FIT_SIGMAS:
             break
         before = most
     covariance = found.covariance
@@ -133,7 +135,7 @@ class _Equations:
         """Projection (q, q) on combinations of unknowns that rows tell."""
         whole, noise = (each.sum(axis=0)[:-1, :-1] for each in (self.sums, self.noise))
         share, basis = eigh(noise, whole + np.diag(self.model.prior_std**-2.0))
-        return np.asarray((basis * (share < MOST_NOISE)) @ np.linalg.inv(basis))
+        return np.asarray((basis * (share < MAX_NOISE_FRACTION)) @ np.linalg.inv(basis))
 
     def told(self) -> Linearized:
         """What rows tell, without what noise adds."""
@@ -155,7 +157,7 @@ class _Equations:
 
 def _deviations(covariance: Array, count: int) -> Array:
     """Standard deviations of the first few (count,); numbers beyond all reason leave rounding alone."""
-    return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance)[:count], LEAST_VARIANCE)))
+    return np.asarray(np.sqrt(np.maximum(np.diagonal(covariance)[:count], MIN_FIT_VARIANCE)))
 
 
 def _runs(model: Model) -> np.ndarray:

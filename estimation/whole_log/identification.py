@@ -37,7 +37,7 @@ from .log_parts import LogPart, NothingSaidError, learnable_parts
 CLOCK_STD = 0.03
 """Standard deviation (s) of how late wrenches may be, by filters, drivers and clocks that nobody told: what comes late
 looks like drag."""
-LATE, SURE = 0.01, 3.0
+MIN_REPORTED_DELAY, REPORTED_DELAY_SIGMAS = 0.01, 3.0
 """s, and standard deviations, beyond both of which it is told that wrenches are late."""
 
 
@@ -231,7 +231,7 @@ def _log_fits(
 
 def _late(log: RunLog, lag: float, std: float) -> tuple[str, ...]:
     """What is said of wrenches that are late by a lag (s)."""
-    if abs(lag) < max(LATE, SURE * std):
+    if abs(lag) < max(MIN_REPORTED_DELAY, REPORTED_DELAY_SIGMAS * std):
         return ()
     words = (
         f"{log.name}: its wrenches come {abs(lag):.3f} ± {std:.3f} s {'after' if lag > 0 else 'before'} the motion: "

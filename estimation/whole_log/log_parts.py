@@ -25,14 +25,14 @@ from ..weak_form.band import Band, bands, sharp
 from ..weak_form.flights import pieces, unbroken
 from ..weak_form.sensor_noise import MotionNoise
 
-FEWEST_ROWS = 3
+MIN_BALANCE_ROWS = 3
 """Fewest rows of a log's balances: fewer say nothing of how large their noise is."""
 
-OFF = 5.0
+ISOLATED_OUTLIER_SIGMAS = 5.0
 """Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
-LONGEST_HOLE = 1.0
+MAX_PART_POSE_GAP = 1.0
 """s without a pose, from which on a log is two."""
-SAMPLES_PER_KNOT, FINE_FOR = 12.0, 120.0
+FINE_SAMPLES_PER_KNOT, MAX_FINE_DURATION = 12.0, 120.0
 """Behind each coefficient of a finer motion, that its noise is averaged out of it; s, up to which a log has that."""
 
 
@@ -50,17 +50,17 @@ class NothingSaidError(Exception):
 
 
 def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> list[LogPart]:
-    known = without_glitches(without_repeats(without_idle_arms(log)), OFF)
+    known = without_glitches(without_repeats(without_idle_arms(log)), ISOLATED_OUTLIER_SIGMAS)
     check_sizes(known)
     known = without_drift(known, heading_drift(known, cart))
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
-        for piece in unbroken(known, LONGEST_HOLE):
+        for piece in unbroken(known, MAX_PART_POSE_GAP):
             try:
                 found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
             except NothingSaidError as error:
                 why = why or str(error)
-    found = [part for part in found if len(part.balances.used) >= FEWEST_ROWS]
+    found = [part for part in found if len(part.balances.used) >= MIN_BALANCE_ROWS]
     if not found:
         raise NothingSaidError(
             why or f"{log.name}: poses and wrenches come together nowhere for long enough to learn from{_blank(log)}"
@@ -85,10 +85,10 @@ def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
 
 
 def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> LogPart:
-    fine = SAMPLES_PER_KNOT if log.duration < FINE_FOR else None
+    fine = FINE_SAMPLES_PER_KNOT if log.duration < MAX_FINE_DURATION else None
     try:
         balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
     except DataError as error:
         raise NothingSaidError(str(error)) from error
-    band = sharp(bands(balances, cart)) if len(balances.used) >= FEWEST_ROWS else None
+    band = sharp(bands(balances, cart)) if len(balances.used) >= MIN_BALANCE_ROWS else None
     return LogPart(index, balances if band is None else balances.every(band.row_step), band)

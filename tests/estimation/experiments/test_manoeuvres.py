@@ -5,7 +5,7 @@ import pytest
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
-from estimation.experiments.manoeuvres import HOLD, STEP, Limits, path, pieces, said, sampled
+from estimation.experiments.manoeuvres import HOLD_DURATION, MANOEUVRE_TIME_STEP, Limits, path, pieces, said, sampled
 from planning.references import PathReference
 
 FIXED = RollingConstraints(0.0)
@@ -21,10 +21,10 @@ def test_a_piece_is_what_the_reference_runs(piece):
     poses, end = path(velocity_b, START)
     known = [reference.at(float(t)) for t in time]
     assert velocity_b[:, [0, 2]] == pytest.approx(np.array([one.velocity for one in known]), abs=1e-9)
-    assert poses == pytest.approx(np.array([one.pose_sb for one in known]), abs=2 * STEP**2)
-    assert end == pytest.approx(reference.at(reference.duration).pose_sb, abs=STEP**2)
+    assert poses == pytest.approx(np.array([one.pose_sb for one in known]), abs=2 * MANOEUVRE_TIME_STEP**2)
+    assert end == pytest.approx(reference.at(reference.duration).pose_sb, abs=MANOEUVRE_TIME_STEP**2)
     assert (np.abs(velocity_b).max(axis=0) <= [LIMITS.speed + 1e-9, 0.0, LIMITS.yaw_rate + 1e-9]).all()
-    assert piece.duration > HOLD
+    assert piece.duration > HOLD_DURATION
 
 
 def test_only_a_cart_that_may_turns():

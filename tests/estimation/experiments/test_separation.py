@@ -19,7 +19,7 @@ from cartgrasp.effects import (
 from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
-from estimation.experiments.manoeuvres import STEP, Limits, Place, pieces, sampled
+from estimation.experiments.manoeuvres import MANOEUVRE_TIME_STEP, Limits, Place, pieces, sampled
 from estimation.experiments.proposal import Experiment, Question
 from estimation.experiments.separation import Belief, Evidence, Hands, traced
 
@@ -73,7 +73,7 @@ def column(name, u, a):
         "quadratic_drag": 6.0 * u * np.abs(u),
         "force_bias": 3.0 * np.ones_like(u),
         "force_scale": 0.1 * force,
-        "time_delay": 0.03 * np.gradient(force, STEP),
+        "time_delay": 0.03 * np.gradient(force, MANOEUVRE_TIME_STEP),
     }
     return columns[name]
 
@@ -98,7 +98,7 @@ def test_deviations_are_those_of_a_fit_by_hand(name, rival):
         columns = np.column_stack([*joined(parts)[::-1], beside])
         columns = columns[:, np.linalg.norm(columns, axis=0) > 1e-9]
         left = here - columns @ np.linalg.lstsq(columns, here, rcond=1e-9)[0]
-        expected = np.linalg.norm(left) * np.sqrt(100.0 * STEP) / 3.0
+        expected = np.linalg.norm(left) * np.sqrt(100.0 * MANOEUVRE_TIME_STEP) / 3.0
         found = deviations(parts, RAIL.with_effect(ADDED[name]), RAIL.with_effect(RIVALS[rival]), ONE)
         assert found == pytest.approx(expected, rel=0.05, abs=0.4), [piece.says for piece in parts]
 
@@ -106,7 +106,7 @@ def test_deviations_are_those_of_a_fit_by_hand(name, rival):
 def test_deviations_are_the_likelihood_ratio_of_drawn_logs():
     """Resistance or an offset, after a push one way that knows them not apart: by what the best fit of each of old and
     new rows loses, over 400 draws of both logs. Fits are by hand, with priors of 40 % and of ten times a usual size."""
-    draws, sigma = np.random.default_rng(7), 3.0 / np.sqrt(100.0 * STEP)
+    draws, sigma = np.random.default_rng(7), 3.0 / np.sqrt(100.0 * MANOEUVRE_TIME_STEP)
     old, new = joined(ALONG[:1] * 2), joined(ALONG[1:2])
     mean, std = np.array([MASS, 3.0, 0.0]), np.array([10.0, 1.5, 60.0])
     size = 0.02 * MASS * G
@@ -160,7 +160,7 @@ def test_creep_shows_in_curves_and_an_angle_straight_on():
     creeping, turned = CART.with_effect(LateralSlip(1000.0)), CART.with_effect(WheelMisalignment(0.02))
     assert deviations(straight, creeping, CART, TWO) < 1e-6 < 3 < deviations(curve, creeping, CART, TWO)
     u = joined(straight)[0]
-    rate = np.sqrt(100.0 * STEP) * 0.5 / (np.sqrt(2 * 100.0 * 0.5) * TWO.position)
+    rate = np.sqrt(100.0 * MANOEUVRE_TIME_STEP) * 0.5 / (np.sqrt(2 * 100.0 * 0.5) * TWO.position)
     assert deviations(straight, turned, CART, TWO) == pytest.approx(rate * np.linalg.norm(0.02 * u), rel=1e-3)
 
 
@@ -195,8 +195,8 @@ def test_a_share_of_the_wrench_counts_as_noise_of_each_piece():
     wrong = Hands(ONE.contacts, ONE.noise, form=0.05)
     resisting, square = RAIL.with_effect(RollingResistance(coefficient=0.02)), 0.0
     for u, a in map(driven, ALONG[:2]):
-        d = column("rolling_resistance", u, a) * np.sqrt(100.0 * STEP) / 3.0
-        c = 0.05 * (d + (MASS * a + 3.0 * u) * np.sqrt(100.0 * STEP) / 3.0)
+        d = column("rolling_resistance", u, a) * np.sqrt(100.0 * MANOEUVRE_TIME_STEP) / 3.0
+        c = 0.05 * (d + (MASS * a + 3.0 * u) * np.sqrt(100.0 * MANOEUVRE_TIME_STEP) / 3.0)
         square += d @ d - (c @ d) ** 2 / (1 + c @ c)
     known = np.zeros((len(RAIL.parameters), 1))
     assert deviations(ALONG[:2], resisting, RAIL, wrong, known) == pytest.approx(np.sqrt(square), rel=0.01)
