@@ -20,7 +20,7 @@ from estimation.log_noise.glitches import without_glitches
 from estimation.sensor_check import put_right
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import bands, consistent
-from estimation.weak_form.flights import flights
+from estimation.weak_form.log_segments import segments
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) ->
 def _parts(log: RunLog, cart: CartModel) -> list[tuple[Balances, float | None]]:
     """Between impacts, each in the widest band in which the model foretells its motion, with the band's step (s)."""
     found, known = impacts(log, cart), put_right(without_glitches(log), cart).log
-    parts = flights(known, cart, found) if found else [Balances.of(known, cart)]
+    parts = segments(known, cart, found) if found else [Balances.of(known, cart)]
     widest = [consistent(bands(part, cart)) for part in parts]
     return [
         (part, None) if band is None else (part.every(band.row_step), band.row_step)

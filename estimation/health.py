@@ -39,7 +39,7 @@ class SensorHealth(NamedTuple):
     is_missed: bool
 
 
-def no_health() -> Array:
+def empty_health_table() -> Array:
     """The table of `kernels/sensor_health.py`, before any sample."""
     return np.tile([-math.inf, math.nan, 0.0, 0.0], (len(SENSORS), 1))
 
@@ -49,7 +49,7 @@ def by_sensor(table: Array) -> Mapping[str, SensorHealth]:
     return {sensor: SensorHealth(time, ratio, outlying, missed > 0) for sensor, (time, ratio, outlying, missed) in rows}
 
 
-def said(of_sensors: int, learner: Health) -> Health:
+def overall_health(of_sensors: int, learner: Health) -> Health:
     """The first that holds, of what is said of the sensors and by what learns from them."""
     if of_sensors & POSE_MISSED or learner is Health.STALE:
         return Health.STALE

@@ -15,7 +15,7 @@ from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.information import WrenchNoise
 from cartgrasp.motion import Estimate
 
-from .experiments.teaching_motions import remedy
+from .experiments.exciting_motions import remedy
 from .parameter_report import ParameterReport
 from .prior import Prior, report_names
 
@@ -25,7 +25,7 @@ REST_REMEDY = "record the arms at rest, and hold at another point"
 
 
 @dataclass(frozen=True)
-class Untaught:
+class Unidentifiable:
     """Parameters that this motion has not taught; several where only combinations of them are known. `remedy` is a
     motion that would, None where none of the usual ones would."""
 
@@ -48,7 +48,7 @@ class Identifiability:
     """Parameters with what is left of their first standard deviations, and those that were not taught."""
 
     left: dict[str, float]
-    untaught: tuple[Untaught, ...]
+    untaught: tuple[Unidentifiable, ...]
 
     def as_dict(self) -> dict[str, Any]:
         return {"left": self.left, "untaught": [one.as_dict() for one in self.untaught]}
@@ -60,7 +60,9 @@ def identifiability(estimate: Estimate, prior: Prior | None = None) -> Identifia
     if estimate.covariance is None:
         raise UsageError("identifiability: this estimate has no covariance")
     known = _Known.of(estimate, estimate.covariance, prior or Prior())
-    untaught = tuple(Untaught(tuple(known.names[i] for i in group), known.remedy(group)) for group in known.groups())
+    untaught = tuple(
+        Unidentifiable(tuple(known.names[i] for i in group), known.remedy(group)) for group in known.groups()
+    )
     shares = np.minimum(known.std / known.first, 1.0)
     return Identifiability(dict(zip(known.names, shares.tolist(), strict=True)), untaught)
 

@@ -73,7 +73,7 @@ class ParameterReport:
 
 
 @final
-class WhenAsked(Mapping[str, ParameterEstimate]):
+class LazyParameters(Mapping[str, ParameterEstimate]):
     """Parameters by name, which are worked out when somebody looks: at a controller's rate hardly anybody does."""
 
     def __init__(self, work_out: Callable[[], Mapping[str, ParameterEstimate]]) -> None:
@@ -97,10 +97,12 @@ class WhenAsked(Mapping[str, ParameterEstimate]):
         return repr(self._found)
 
 
-def as_taught(parameters: Mapping[str, ParameterEstimate], learner: Health) -> Mapping[str, ParameterEstimate]:
+def qualified_by_health(
+    parameters: Mapping[str, ParameterEstimate], learner: Health
+) -> Mapping[str, ParameterEstimate]:
     """The parameters as taught by an estimator of this health. One that is inconsistent was taught nothing: its
     deviations hold for a model that fits, and its values are of one that doesn't. Nor was one whose load may have
     changed: it begins anew."""
     if learner not in (Health.INCONSISTENT, Health.LOAD_CHANGED):
         return parameters
-    return WhenAsked(lambda: {name: replace(one, identifiable=False) for name, one in parameters.items()})
+    return LazyParameters(lambda: {name: replace(one, identifiable=False) for name, one in parameters.items()})

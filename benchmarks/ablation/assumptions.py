@@ -64,7 +64,7 @@ ASSUMPTIONS = (
     ),
     *_of("weak_form.splines", {"OUTLIER_SIGMAS": "deviations from which on a sample counts for less"}),
     *_of(
-        "weak_form.steps",
+        "weak_form.quantisation",
         {
             "WHOLE_STEP_TOLERANCE": "of a step, how far a change is from whole ones",
             "MIN_WHOLE_STEP_FRACTION": "share of changes that are whole steps",
@@ -72,7 +72,7 @@ ASSUMPTIONS = (
         },
     ),
     *_of(
-        "weak_form.standing",
+        "weak_form.standstill_forces",
         {
             "MAX_REVERSAL_TIME": "who turns back does not stand for as long",
             "GRAVITY": "gravity",
@@ -107,7 +107,7 @@ ASSUMPTIONS = (
     *_of("discrepancy.search.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
     *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
     *_of(
-        "weak_form.flights",
+        "weak_form.log_segments",
         {"IMPACT_MARGIN": "how long a touch lasts", "MIN_STOP_DISTANCE": "how near a stop a cart leans on it"},
     ),
     *_of(

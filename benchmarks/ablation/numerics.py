@@ -44,7 +44,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MIN_VELOCITY_DENSITY": "keeps logs without noise solvable",
         "HUBER_SIGMAS": "of a robust mean",
     },
-    "weak_form.standing": {"MIN_TURNING_SPEED": "keeps finite"},
+    "weak_form.standstill_forces": {"MIN_TURNING_SPEED": "keeps finite"},
     "weak_form.score": {
         "N_SCORE_FOLDS": "number of folds",
         "MAX_PIECES": "memory",
@@ -94,7 +94,7 @@ REASONS: dict[str, dict[str, str]] = {
         ("MOST_ROWS", "CLOSER", "WORST", "PERIODS", "LEAST_FOLLOWED", "FOLDED", "CUT"), "of a figure"
     ),
     "discrepancy.diagnosis.rollout_figure": dict.fromkeys(("EVERY", "LAST"), "of a figure"),
-    "weak_form.flights": {
+    "weak_form.log_segments": {
         "MIN_SEGMENT_DURATION": "parts of a log that are too short to solve",
         "MAX_SEGMENT_POSE_GAP": "effort: a pause that makes two logs of one",
     },

@@ -15,15 +15,15 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
-from .delayed_wrenches import InTime, delayed
-from .given import Given, given
+from .arguments import EstimatorArguments, checked_arguments
+from .delayed_wrenches import AlignedFilter, with_delays_removed
 from .learning_filter import LearningFilter
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
 
 
-def core_of(made_of: Given, least_speed: float = 0.0, unseen: float = 0.0) -> LearningFilter:
+def core_of(made_of: EstimatorArguments, least_speed: float = 0.0, unseen: float = 0.0) -> LearningFilter:
     """The filter behind a `CartFilter`, which takes samples in order, and bears with disturbances up to `unseen`
     (N·√s), where that is more than is declared."""
     cart, _, noise, prior, _ = made_of
@@ -34,7 +34,7 @@ def core_of(made_of: Given, least_speed: float = 0.0, unseen: float = 0.0) -> Le
 
 
 @final
-class CartFilter(OnlineEstimator[InTime]):
+class CartFilter(OnlineEstimator[AlignedFilter]):
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
@@ -74,8 +74,8 @@ class CartFilter(OnlineEstimator[InTime]):
         least_speed: float = 0.0,
     ) -> None:
         number("filter: least_speed", least_speed, 0.0, MAX_NUMBER, "give m/s")
-        made_of = given(cart, arms, noise, prior, yaws)
-        super().__init__(made_of, delayed(core_of(made_of, least_speed), cart))
+        made_of = checked_arguments(cart, arms, noise, prior, yaws)
+        super().__init__(made_of, with_delays_removed(core_of(made_of, least_speed), cart))
 
     @property
     def belief(self) -> Gaussian:

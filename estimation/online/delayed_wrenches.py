@@ -20,7 +20,7 @@ from ..gaussian import Gaussian
 from ..health import SensorHealth
 from .learning_filter import LearningFilter
 from .regressor.parameter_learner import ParameterLearner
-from .regressor.wrench_loudness import WrenchLoudness
+from .regressor.wrench_noise_scale import WrenchNoiseScale
 
 TIME_TOLERANCE = 1e-9
 """s."""
@@ -31,7 +31,7 @@ def longest_delay(cart: CartModel) -> float:
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
-def delayed(core: LearningFilter, cart: CartModel) -> InTime:
+def with_delays_removed(core: LearningFilter, cart: CartModel) -> AlignedFilter:
     """The core, wrapped so that wrenches count when they were felt, where the cart says that they come late."""
     return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
 
@@ -55,8 +55,8 @@ class DelayedWrenches:
         return self.core.worked
 
     @property
-    def loudness(self) -> WrenchLoudness:
-        return self.core.loudness
+    def wrench_noise_scale(self) -> WrenchNoiseScale:
+        return self.core.wrench_noise_scale
 
     def take(self, measurement: Measurement) -> None:
         core, self._now, self.time = self.core, None, measurement.time
@@ -111,5 +111,5 @@ class DelayedWrenches:
         return felt
 
 
-InTime = DelayedWrenches | LearningFilter
+AlignedFilter = DelayedWrenches | LearningFilter
 """A filter whose wrenches are of the time at which they were felt."""

@@ -14,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
-from .regressor.wrench_loudness import WrenchLoudness
+from .regressor.wrench_noise_scale import WrenchNoiseScale
 
 MAX_SAMPLE_DELAY = 0.3
 """s: how late a sample may be."""
@@ -40,8 +40,8 @@ class SampleFilter(Protocol):
         ...
 
     @property
-    def loudness(self) -> WrenchLoudness:
-        """How loud wrenches are."""
+    def wrench_noise_scale(self) -> WrenchNoiseScale:
+        """The noise scale of wrenches."""
         ...
 
     def scale_noise(self, noise_factors: Array) -> None:

@@ -21,11 +21,11 @@ from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
-from ..health import SensorHealth, by_sensor, said
+from ..health import SensorHealth, by_sensor, overall_health
 from .first_motion import MAX_TRACKING_GAP
 from .measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from .regressor.parameter_learner import ParameterLearner
-from .regressor.wrench_loudness import WrenchLoudness
+from .regressor.wrench_noise_scale import WrenchNoiseScale
 from .schmidt_filter import SchmidtFilter
 
 
@@ -47,15 +47,15 @@ class LearningFilter:
         return self.learner.worked
 
     @property
-    def loudness(self) -> WrenchLoudness:
-        return self.learner.loudness
+    def wrench_noise_scale(self) -> WrenchNoiseScale:
+        return self.learner.wrench_noise_scale
 
     def take(self, measurement: Measurement) -> None:
         """Predicts to the measurement's time, and takes in what it holds."""
         learner, motion = self.learner, self.motion
         learner.take(measurement)
         self.time = learner.time
-        self._move(float(measurement.time), learner.seen, learner.felt)
+        self._move(float(measurement.time), learner.seen, learner.measured_wrench)
         motion.learn(learner.theta, learner.covariance)
 
     def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:
@@ -88,7 +88,7 @@ class LearningFilter:
 
     def estimate(self) -> Estimate:
         learner, motion = self.learner, self.motion
-        return learner.estimate(motion.motion, said(motion.said, learner.health))
+        return learner.estimate(motion.motion, overall_health(motion.said, learner.health))
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:

@@ -14,15 +14,15 @@ from cartgrasp.motion import Estimate, Measurement, Motion
 from cartgrasp.tracked_point import TrackedPoint
 
 from ..health import Health
-from ..parameter_report import as_taught
+from ..parameter_report import qualified_by_health
 from ..sensor_check.suspicion import REFUSED, Suspicion
-from .clock_watch import ClockWatch
+from .arguments import EstimatorArguments, check_measurement
+from .clock_monitor import ClockMonitor
 from .frozen_wrenches import FrozenWrenches
-from .given import Given, check_measurement
 from .late_samples import LateSamples, SampleFilter
 from .repeated_poses import RepeatedPoses
-from .sensor_watch import SensorWatch
-from .warming import made_up_push
+from .sensor_monitor import SensorMonitor
+from .warming import synthetic_push
 
 SLOW_LOOP_INTERVAL = 0.02
 """s between samples: a loop that is slower has time for all that is to be done with each."""
@@ -36,10 +36,10 @@ class OnlineEstimator(ABC, Generic[C]):
     aligns: ClassVar[bool]
     """Whether wrenches of a `time_delay` are brought back to when they were felt."""
 
-    def __init__(self, made_of: Given, core: C) -> None:
+    def __init__(self, made_of: EstimatorArguments, core: C) -> None:
         self.cart, self.arms, self.noise, self.prior, _ = made_of
-        self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorWatch(*made_of)
-        self._samples, self._clock = LateSamples(core), ClockWatch()
+        self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
+        self._samples, self._clock = LateSamples(core), ClockMonitor()
         self._repeats, self._frozen = RepeatedPoses(), FrozenWrenches()
         self._motion: Motion | None = None  # as told last
 
@@ -81,7 +81,7 @@ class OnlineEstimator(ABC, Generic[C]):
         if self.cart.wheels:
             self.cart.wheel_set.loads(self.cart.inertia.phi)
         with suppress(CartgraspError):  # what is believed may be far from the push that is made up
-            for sample in made_up_push(self.cart, self.arms or ("arm",)):
+            for sample in synthetic_push(self.cart, self.arms or ("arm",)):
                 other.update(sample)
         freeze_live_objects()
 
@@ -92,7 +92,7 @@ class OnlineEstimator(ABC, Generic[C]):
             found = found._replace(health=Health.STALE)
         told = (*self._clock.suspicions, *self._watch.suspicions)
         if found.health != Health.INCONSISTENT:  # under a model that does not fit, nobody knows what is noise
-            told = (*told, *self._samples.state.loudness.suspicions)
+            told = (*told, *self._samples.state.wrench_noise_scale.suspicions)
         if told:
             found = qualified(found, told)
         return found._replace(time=found.time - ahead) if ahead else found
@@ -113,5 +113,5 @@ def qualified(estimate: Estimate, suspicions: tuple[Suspicion, ...]) -> Estimate
     health = Health(estimate.health)
     if any(one.kind in REFUSED for one in suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
         health = Health.INCONSISTENT
-    parameters = as_taught(estimate.parameters, health)
+    parameters = qualified_by_health(estimate.parameters, health)
     return estimate._replace(health=health, parameters=parameters, suspicions=suspicions)

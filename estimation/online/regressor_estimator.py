@@ -13,7 +13,7 @@ from cartgrasp.motion import Estimate
 from ..gaussian import Gaussian
 from ..noise import FilterNoise
 from ..prior import Prior
-from .given import given
+from .arguments import checked_arguments
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 
@@ -33,7 +33,7 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
         prior: Prior | None = None,
         yaws: Mapping[str, float] | None = None,
     ) -> None:
-        made_of = given(cart, arms, noise, prior, yaws)
+        made_of = checked_arguments(cart, arms, noise, prior, yaws)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
             super().__init__(made_of, ParameterLearner(*made_of))
 
@@ -45,7 +45,7 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
     @property
     def lateness(self) -> float:
         """How late wrenches are (s), beyond a quarter of a sample: held ones are not, mere samples half of one."""
-        return self._samples.state.lateness
+        return self._samples.state.wrench_delay
 
     def _told(self) -> Estimate:
         learner = self._core

@@ -14,12 +14,12 @@ from cartgrasp.motion import Motion
 from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
-from ..health import no_health
+from ..health import empty_health_table
 from ..noise import FilterNoise
 from .first_motion import first_motion
 from .kernels import schmidt_steps as kernels
-from .kernels.felt_wrench import WRENCH_HOLD_TIME
 from .kernels.jit import Indices
+from .kernels.measured_wrench import WRENCH_HOLD_TIME
 from .kernels.schmidt_block import Considered, new_block, parts
 from .kernels.schmidt_steps import MAX_FILTER_STEP
 from .kernels.sensor_health import noted
@@ -45,7 +45,7 @@ class SchmidtFilter:
         self._seen = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
-        self.now.health[:] = no_health()
+        self.now.health[:] = empty_health_table()
         self._set_constants()
         self._let_go()
 
@@ -123,7 +123,7 @@ class SchmidtFilter:
     def advance(self, time: float, seen: Array = NO_MOTION, felt: Array = NO_WRENCHES, gate_ratio: float = 0.0) -> None:
         """With nothing measured on the way but the last push; then takes in what is `seen` (6,) at that time: pose and
         velocity, NaN where missing; and what is `felt` from then on, from the time of a sample on as in
-        `kernels/felt_wrench.py`, with its `gate_ratio`."""
+        `kernels/measured_wrench.py`, with its `gate_ratio`."""
         block, plan = self._block, self._plan
         if self._in_kernels:
             floats, ints = self._workspace

@@ -14,7 +14,7 @@ WARM_UP_PERIOD, WARM_UP_SAMPLES, WARM_UP_SPEED, WARM_UP_ANGULAR_FREQUENCY = 0.02
 """s, samples, m/s and rad/s: long enough for what looks at two seconds of rows, and with forces that tell a mass."""
 
 
-def made_up_push(cart: CartModel, arms: Sequence[str]) -> Iterator[Measurement]:
+def synthetic_push(cart: CartModel, arms: Sequence[str]) -> Iterator[Measurement]:
     """Faster and slower along the first of the cart's free directions, by the wrench that the model wants."""
     along = WARM_UP_SPEED * np.eye(cart.constraints.n_free)[0]
     contacts = dict.fromkeys(arms, np.array([0.0, 0.0, 1.0]))

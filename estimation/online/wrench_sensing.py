@@ -23,7 +23,7 @@ from cartgrasp.motion import Measurement
 from cartgrasp.shallow_copy import shallow_copy
 from cartgrasp.wheels import GRAVITY
 
-from .kernels.felt_wrench import MAX_WRENCH, WRENCH_HOLD_TIME
+from .kernels.measured_wrench import MAX_WRENCH, WRENCH_HOLD_TIME
 
 UNUSED_COMPONENTS = slice(2, 5)
 """The unused components of a wrench: fz, tx and ty push no planar cart, and no sensor effect mixes them into what

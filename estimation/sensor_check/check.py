@@ -22,7 +22,7 @@ from cartgrasp.model import CartModel
 from ..log_noise.glitches import without_glitches
 from ..log_noise.marks import without_marks
 from ..weak_form.balances import Balances
-from ..weak_form.flights import MAX_SEGMENT_POSE_GAP, unbroken
+from ..weak_form.log_segments import MAX_SEGMENT_POSE_GAP, split_at_gaps
 from ..weak_form.motion import Motion, motion_of
 from .fixed_wheels import of_wheels
 from .heading import of_headings
@@ -93,7 +93,7 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
     """Looks at a log. Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest
     part is judged. Raises DataError for a log that is too short to be looked at."""
     told, log = unread(log), without_marks(log)
-    parts = unbroken(without_glitches(log), MAX_SEGMENT_POSE_GAP)
+    parts = split_at_gaps(without_glitches(log), MAX_SEGMENT_POSE_GAP)
     longest = max(parts, key=len)
     sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
     is_odd = any(one.kind == "unit" and one.where == "pose" for one in sensors.suspicions)

@@ -90,9 +90,9 @@ class Balances:
         """The same rows, with another reference and noise."""
         return self._with_same_rows(replace(self, reference=reference, heard=heard))
 
-    def late(self, lateness: float) -> Balances:
-        """The same rows with wrenches that were felt `lateness` (s) before they were recorded."""
-        return self._with_same_rows(replace(self, wrenches=self.wrenches.late(self.log, lateness)))
+    def late(self, delay: float) -> Balances:
+        """The same rows with wrenches that were felt `delay` (s) before they were recorded."""
+        return self._with_same_rows(replace(self, wrenches=self.wrenches.late(self.log, delay)))
 
     def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:
         """The same rows with the noise of the motion's sensors added once more."""

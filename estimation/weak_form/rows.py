@@ -21,7 +21,7 @@ from ..log_noise.log_noise import MAD_TO_STD
 from ..standstill import HALF_TRACK
 from .balances import Balances
 from .integrals import GRID_STRIDE, SPLINE_SUPPORT
-from .standing import FRICTION_COEFFICIENT, GRAVITY, standing, turning_back
+from .standstill_forces import FRICTION_COEFFICIENT, GRAVITY, holding_forces, reversal_drag_errors
 from .whitening import Whitening
 from .wrenches import Densities
 
@@ -181,8 +181,8 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
             swung = CASTER_WEIGHT_FRACTION * swinging[:, None] * drags
         swung[:, -1] = np.hypot(swung[:, -1], weight * HALF_TRACK * swinging)
     forms = np.sqrt((BODY_FORM_ERROR_RATIO * size) ** 2 + (EFFECT_FORM_ERROR_RATIO * effects) ** 2 + swung**2)
-    dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + turning_back(balances, cart) ** 2)
-    return standing(balances, cart), dry, forms
+    dry = np.sqrt(own**2 + _turned(balances, cart, levers) ** 2 + reversal_drag_errors(balances, cart) ** 2)
+    return holding_forces(balances, cart), dry, forms
 
 
 def _swinging(balances: Balances) -> Array:

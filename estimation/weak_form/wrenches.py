@@ -63,8 +63,8 @@ class GridWrenches:
     ahead: np.ndarray
 
     @classmethod
-    def on(cls, log: RunLog, motion: Motion, lateness: float = 0.0) -> GridWrenches:
-        """Wrenches of a log on a motion's grid, from sensors that tell what they felt `lateness` (s) ago."""
+    def on(cls, log: RunLog, motion: Motion, delay: float = 0.0) -> GridWrenches:
+        """Wrenches of a log on a motion's grid, from sensors that tell what they felt `delay` (s) ago."""
         shape, held = (len(log.arms), len(motion.time)), motion.seen.copy()
         contacts = np.zeros((*shape, 3))
         for i, arm in enumerate(log.arms.values()):
@@ -73,16 +73,14 @@ class GridWrenches:
         grasps = np.array([grasp_map_planar(own) for own in contacts]).reshape(*shape, 3, 6)
         whole = cls(tuple(log.arms), motion, contacts, grasps, np.zeros((*shape, 6)), held, held, held).late(log, 0.0)
         ahead = _before_none(whole.seen, round(MAX_SENSOR_DELAY / motion.step)) if log.arms else held
-        return replace(whole, ahead=ahead).late(log, lateness)
+        return replace(whole, ahead=ahead).late(log, delay)
 
-    def late(self, log: RunLog, lateness: float) -> GridWrenches:
-        """Wrenches of the same log, from sensors that tell what they felt `lateness` (s) ago."""
+    def late(self, log: RunLog, delay: float) -> GridWrenches:
+        """Wrenches of the same log, from sensors that tell what they felt `delay` (s) ago."""
         recorded, seen = np.zeros_like(self.recorded), self.held.copy()
         for i, arm in enumerate(log.arms.values()):
             known = np.isfinite(arm.wrench).all(axis=1)
-            recorded[i], near = _on_grid(
-                log.time[known] - lateness, arm.wrench[known], self.motion.time, self.motion.step
-            )
+            recorded[i], near = _on_grid(log.time[known] - delay, arm.wrench[known], self.motion.time, self.motion.step)
             seen &= near
         return replace(self, recorded=recorded, seen=seen)
 

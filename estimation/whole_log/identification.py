@@ -29,7 +29,7 @@ from ..noise import FilterNoise
 from ..prior import Prior, report_names, report_units
 from ..weak_form.band import pooled
 from ..weak_form.rows import Errors
-from ..weak_form.standing import turning_back
+from ..weak_form.standstill_forces import reversal_drag_errors
 from .coasting import as_given
 from .corrected_fit import corrected
 from .log_parts import LogPart, NothingSaidError, learnable_parts
@@ -181,7 +181,7 @@ def _as_loud(model: Model) -> Model:
     of them: were it as large as sensors look, or a search is cautious, the first guess would count for too much."""
     for _ in range(2):
         none = np.zeros_like(model.noise.form)
-        errors = [replace(Errors.of(b, model.cart), friction=turning_back(b, model.cart)) for b in model.logs]
+        errors = [replace(Errors.of(b, model.cart), friction=reversal_drag_errors(b, model.cart)) for b in model.logs]
         own = tuple(one.whitening(model.noise.excess, none, np.ones_like(none)) for one in errors)
         model = replace(model, whitenings=own)
         scale = model.score.scale

@@ -22,7 +22,7 @@ from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps, check_sizes
 from ..weak_form.balances import Balances
 from ..weak_form.band import Band, bands, sharp
-from ..weak_form.flights import pieces, unbroken
+from ..weak_form.log_segments import segment_logs, split_at_gaps
 from ..weak_form.sensor_noise import MotionNoise
 
 MIN_BALANCE_ROWS = 3
@@ -55,7 +55,7 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
     known = without_drift(known, heading_drift(known, cart))
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
-        for piece in unbroken(known, MAX_PART_POSE_GAP):
+        for piece in split_at_gaps(known, MAX_PART_POSE_GAP):
             try:
                 found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
             except NothingSaidError as error:
@@ -79,7 +79,7 @@ def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
     try:
         hits = impacts(log, cart)
         lost = jump_times(log)
-        return pieces(log, hits, lost) if hits or len(lost) else [log]
+        return segment_logs(log, hits, lost) if hits or len(lost) else [log]
     except DataError as error:
         raise NothingSaidError(str(error)) from error
 

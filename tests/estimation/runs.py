@@ -73,7 +73,7 @@ def integrate(cart, forces, duration, change=None):
 
 
 def wrench_rows(time, wrenches, parameters):
-    """As in `kernels/felt_wrench.py`: reduced wrenches (n, 2) with noise of 1, whatever the parameters (p,)."""
+    """As in `kernels/measured_wrench.py`: reduced wrenches (n, 2) with noise of 1, whatever the parameters (p,)."""
     n, p = len(time), len(parameters)
     noise, by_parameters = np.tile(np.eye(2).ravel(), (n, 1)), np.zeros((n, 2 * p))
     return np.column_stack([time, wrenches, noise, by_parameters, np.tile(parameters, (n, 1)), np.zeros((n, 2))])

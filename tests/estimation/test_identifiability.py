@@ -11,7 +11,7 @@ from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from estimation.experiments.teaching_motions import teaching_motions
+from estimation.experiments.exciting_motions import exciting_motions
 from estimation.identifiable import identifiability
 from estimation.whole_log.replay import replay
 
@@ -69,7 +69,7 @@ def test_what_is_known_or_can_not_move_is_not_asked_for():
     assert "none of the usual motions" in str(spinning)
 
 
-@pytest.mark.parametrize("motion", teaching_motions(), ids=lambda motion: motion.says)
+@pytest.mark.parametrize("motion", exciting_motions(), ids=lambda motion: motion.says)
 def test_what_a_motion_teaches_is_what_its_wrenches_say(motion):
     """Its information against differences of the wrenches that the model asks for, worked out one by one."""
     cart = guess()

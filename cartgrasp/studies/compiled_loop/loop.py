@@ -8,7 +8,7 @@ from typing import NamedTuple
 
 import numpy as np
 
-from estimation.health import said
+from estimation.health import overall_health
 from estimation.online.cart_filter import core_of
 from estimation.online.kernels.row_algebra import BLOCK_END_WIDTH, ROW_BLOCK_DURATION, SMOOTHING_LAG
 from estimation.online.kernels.sensor_health import said_of
@@ -101,7 +101,7 @@ class _Run:
         self.held = self._held(state)
         self.at: Ints = np.array([0, tick.STAGE_TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
-        self.known = [Belief(0, core.learner.theta, core.learner.told_covariance)]
+        self.known = [Belief(0, core.learner.theta, core.learner.reported_covariance)]
 
     # --- to the end -------------------------------------------------------------------------------------------
 
@@ -129,7 +129,7 @@ class _Run:
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed
-            self.known.append(Belief(k, learner.theta, learner.told_covariance))
+            self.known.append(Belief(k, learner.theta, learner.reported_covariance))
 
     def _plan(self) -> None:
         """A wrench whose plan isn't proven by the kernels alone."""
@@ -211,7 +211,7 @@ class _Run:
             caster_headings=series.state[:, headings] if headings else None,
             statuses=tuple(self.statuses),
             identifiable={name: one.identifiable for name, one in self.core.learner.report.items()},
-            healths=(str(said(said_of(self.core.motion.now.health), self.core.learner.health)),),
+            healths=(str(overall_health(said_of(self.core.motion.now.health), self.core.learner.health)),),
             com_covariance=np.repeat(partials @ of_phi @ np.swapaxes(partials, 1, 2), steps, axis=0),
         )
 

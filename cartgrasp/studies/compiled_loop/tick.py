@@ -11,7 +11,7 @@ import math
 import numpy as np
 
 from estimation.online.kernels import recorded_moment, row_algebra, schmidt_steps, tracked_motion
-from estimation.online.kernels.felt_wrench import Felt, feel
+from estimation.online.kernels.measured_wrench import MeasuredWrench, record_wrench
 from estimation.online.kernels.schmidt_block import parts
 from planning import steering
 from planning.kernels.allocation import allocate
@@ -120,7 +120,7 @@ def _feel(course: RunInputs, blocks: Workspaces, held: LoopState, felt: Array, a
     for j in range(len(felt)):
         felt[j] += held.wrenches[j]
     room = known_of(blocks.known, len(grip)).room
-    if feel(blocks.rows, i, time, Felt(felt, grip, held.believed), room):
+    if record_wrench(blocks.rows, i, time, MeasuredWrench(felt, grip, held.believed), room):
         schmidt_steps.push(unpack_driven(blocks.driven, blocks.plan), time, blocks.rows[i, 1:])
 
 
@@ -183,7 +183,9 @@ def _see(course: RunInputs, blocks: Workspaces, held: LoopState, series: RunHist
     velocity[2] += turn
     copy(pose, seen[:3])
     copy(velocity, seen[3:])
-    recorded_moment.go_on(blocks.rows, blocks.known, i, time, Felt(held.wrenches, course.grip[0], held.believed))
+    recorded_moment.go_on(
+        blocks.rows, blocks.known, i, time, MeasuredWrench(held.wrenches, course.grip[0], held.believed)
+    )
     tracked_motion.take(blocks.rows, i, blocks.known, seen, f)
     at[I_MOMENTS] = i + 1
     schmidt_steps.drive(

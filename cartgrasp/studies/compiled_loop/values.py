@@ -49,8 +49,8 @@ class Workspaces(NamedTuple):
 
 class LoopState(NamedTuple):
     """What goes on from step to step: the true state (N,); the parameters (p,) as they are believed, and that as
-    `felt_wrench.Felt` has it; wrenches planned (6 a,) and wanted (3,); what is `seen` (6,), and felt beside it,
-    `unfelt` (1,).
+    `measured_wrench.MeasuredWrench` has it; wrenches planned (6 a,) and wanted (3,); what is `seen` (6,), and felt
+    beside it, `unfelt` (1,).
 
     Behind them room for what is asked of kernels and found by them: the true cart's, `given` and `found` (`nothing`
     where that isn't asked for); the believed one's with an acceleration, `asked`, two states of it, and what is

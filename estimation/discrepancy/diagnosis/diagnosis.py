@@ -27,7 +27,7 @@ from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
 from ...sensor_check.jumps import jump_times
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
-from ...weak_form.flights import MAX_SEGMENT_POSE_GAP, flights, unbroken
+from ...weak_form.log_segments import MAX_SEGMENT_POSE_GAP, segments, split_at_gaps
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
 from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, told_gap
@@ -329,7 +329,7 @@ def _diagnosed(
         check = checked(log, cart, whole)
         checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart), *of_wheels(whole, cart))))
         lost = jump_times(sensors.log)
-        cut = flights(sensors.log, cart, found, lost) if found or len(lost) else ()
+        cut = segments(sensors.log, cart, found, lost) if found or len(lost) else ()
         between = [part for part in cut if len(part.used)]
         parts += between or [whole]
         known += [consistent(bands(part, cart)) for part in between] or [band]
@@ -363,7 +363,7 @@ def _diagnosed(
 
 def _without_holes(log: RunLog) -> list[RunLog]:
     """Logs of what a recorder that paused, or whose clock jumped, left of one."""
-    parts = unbroken(log, MAX_SEGMENT_POSE_GAP)
+    parts = split_at_gaps(log, MAX_SEGMENT_POSE_GAP)
     if len(parts) == 1:
         return parts
     named = (replace(part, name=f"{log.name}, part {i + 1}") for i, part in enumerate(parts))

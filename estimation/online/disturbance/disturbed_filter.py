@@ -11,7 +11,7 @@ from cartgrasp.motion import Estimate
 
 from ...noise import FilterNoise
 from ...prior import Prior
-from ..given import given
+from ..arguments import checked_arguments
 from ..online_estimator import OnlineEstimator
 from .disturbed_learning import DisturbedLearning
 
@@ -57,7 +57,7 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
         yaws: Mapping[str, float] | None = None,
         response: float = 0.2,
     ) -> None:
-        made_of = given(cart, arms, noise, prior, yaws)
+        made_of = checked_arguments(cart, arms, noise, prior, yaws)
         self.response = positive("filter: response", response, MAX_RESPONSE_TIME, "give s")
         super().__init__(made_of, DisturbedLearning(made_of, self.response))
 

@@ -9,7 +9,8 @@ seen, the observer's own deviation for as long as its answer takes, is noise to 
 it there is as a rule (`regressor/disturbance_level.py`).
 
 A load that was put on is not over with what shows of it. So from the first sample whose wrench is kept back another
-learns from all that there is, until its trial (`regressor/trial.py`) is over. If it finds a load, it was right.
+learns from all that there is, until its hypotheses (`regressor/load_hypotheses.py`) are decided. If it finds a load, it
+was right.
 
 And what is noise to what learns may be a load that is too small to be seen as a push. One that learns with the noise of
 the sensors alone, as a `CartFilter` does, finds it soon. Its word is taken where nothing was kept back meanwhile.
@@ -32,13 +33,13 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ...gaussian import Gaussian
 from ...health import Health
+from ..arguments import EstimatorArguments
 from ..cart_filter import core_of
-from ..delayed_wrenches import InTime, delayed
-from ..given import Given
-from ..kernels.felt_wrench import WRENCH_HOLD_TIME
+from ..delayed_wrenches import AlignedFilter, with_delays_removed
+from ..kernels.measured_wrench import WRENCH_HOLD_TIME
 from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..measured_motion import usable
-from ..regressor.wrench_loudness import WrenchLoudness
+from ..regressor.wrench_noise_scale import WrenchNoiseScale
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
@@ -57,16 +58,16 @@ MAX_DISTURBANCE_DURATION = 10.0
 class DisturbedLearning:
     """Samples come in order. `response` (s) is that of the observer."""
 
-    def __init__(self, made_of: Given, response: float) -> None:
+    def __init__(self, made_of: EstimatorArguments, response: float) -> None:
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response, prior)
         self._ahead = DisturbanceObserver(cart, noise, FEEDFORWARD_RESPONSE_RATIO * response, prior)
         unseen = self._observer.deviation * math.sqrt(response)
-        self._careful = delayed(core_of(made_of, unseen=unseen), cart)
-        self._quick = delayed(core_of(made_of), cart)
-        self._trying_since = self._told_load = -math.inf  # s, of the quick one
-        self._open: InTime | None = None  # learns from what is kept back, too
+        self._careful = with_delays_removed(core_of(made_of, unseen=unseen), cart)
+        self._quick = with_delays_removed(core_of(made_of), cart)
+        self._undecided_since = self._told_load = -math.inf  # s, of the quick one
+        self._open: AlignedFilter | None = None  # learns from what is kept back, too
         self._opened = self._kept_back = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._waiting: tuple[Measurement, ...] = ()
@@ -83,8 +84,8 @@ class DisturbedLearning:
         return self._careful.worked or self._quick.worked
 
     @property
-    def loudness(self) -> WrenchLoudness:
-        return self._quick.loudness
+    def wrench_noise_scale(self) -> WrenchNoiseScale:
+        return self._quick.wrench_noise_scale
 
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""
@@ -130,13 +131,15 @@ class DisturbedLearning:
         """What pushes may be a load while one of the others tries that, or the quick one has found one that nobody else
         has: then it is as unsure what the parameters are as that one is, from what is told."""
         own, quick, widest = self._careful.learner, self._quick.learner, told.covariance
-        is_found = quick.loaded > max(own.loaded, self.time - MAX_DISTURBANCE_DURATION)
-        others = [(quick, is_found or (quick.is_trying and self._trying_since > own.loaded))]
+        is_found = quick.last_load_change > max(own.last_load_change, self.time - MAX_DISTURBANCE_DURATION)
+        others = [(quick, is_found or (quick.is_load_undecided and self._undecided_since > own.last_load_change))]
         if self._open is not None:
-            others.append((self._open.learner, self._open.learner.is_trying and self._opened > own.loaded))
+            others.append(
+                (self._open.learner, self._open.learner.is_load_undecided and self._opened > own.last_load_change)
+            )
         for other in (one for one, doubts in others if doubts):
             off = other.theta - own.theta
-            spread = other.told_covariance + np.outer(off, off)
+            spread = other.reported_covariance + np.outer(off, off)
             widest = spread if widest is None or spread[0, 0] > widest[0, 0] else widest
         if widest is None or widest is told.covariance:
             return told
@@ -164,20 +167,20 @@ class DisturbedLearning:
         """What the quick one makes of a sample, and whether its word on a load is taken."""
         self._quick.take(sample)
         quick, careful = self._quick.learner, self._careful.learner
-        if not quick.is_trying:
-            if quick.loaded > self._told_load:
-                self._told_load = quick.loaded
-                if max(self._kept_back, careful.loaded) < self._trying_since:
-                    careful.hear_of_load()
-            self._trying_since = sample.time
+        if not quick.is_load_undecided:
+            if quick.last_load_change > self._told_load:
+                self._told_load = quick.last_load_change
+                if max(self._kept_back, careful.last_load_change) < self._undecided_since:
+                    careful.note_load_change()
+            self._undecided_since = sample.time
 
-    def _try(self, other: InTime, sample: Measurement) -> None:
+    def _try(self, other: AlignedFilter, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load."""
         other.take(sample)
         learner = other.learner
-        if learner.loaded > self._opened:
+        if learner.last_load_change > self._opened:
             self._careful, self._open, self._until = other, None, -math.inf
-        elif learner.tried > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
+        elif learner.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
             self._open = None
 
     # --- observing --------------------------------------------------------------------------------------------

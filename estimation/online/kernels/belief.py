@@ -1,4 +1,4 @@
-"""The algebra of `regressor/regression_belief.py` and `load_watch.py`, which say what they are about."""
+"""The algebra of `regressor/regression_belief.py` and `load_monitor.py`, which say what they are about."""
 
 from __future__ import annotations
 
@@ -35,7 +35,7 @@ def concluded(
     belief: Belief, noise: SlopeNoise, theta: Array, free: Indices
 ) -> tuple[Belief, tuple[Array, Array, Array, float]]:
     """What rows tell, noise in their slopes taken off; and parameters (p,), of which those that are `free` are as
-    believed then, with their covariance (p, p), a root of it (p, f), and the lateness."""
+    believed then, with their covariance (p, p), a root of it (p, f), and the delay."""
     told = told_by(belief, noise)
     f, p, covariance = len(free), len(theta), inverse(told[0])
     mean, factor = times(covariance, told[1]), covariance[:f, :f].copy()

@@ -18,7 +18,7 @@ from .row_parts import (
     NOMINAL_DELAY_PERIODS,
     ROW_PERIOD,
     SIGNIFICANCE_SIGMAS,
-    add_lateness,
+    add_delay,
     add_measured,
     add_other_memory,
     add_stuck,
@@ -89,24 +89,24 @@ class Found(NamedTuple):
     stuck: Array
 
 
-class LeftOut(NamedTuple):
+class UnmodelledNoise(NamedTuple):
     """The density (f, f) of disturbances that a row has to bear with, and of those that there are as a rule; how many
     times the wrenches' variance is that of white samples; and the parameters in whose products with the mass, the first
     one, a row is linear."""
 
     disturbance: Array
     usual: Array
-    loudness: float
+    wrench_variance_factor: float
     scaled: Indices
 
 
-Given = tuple[Array, float, Array, Array, Array]
-"""Wrenches as `felt_wrench.py` has them, (n - 1, width), and how long after their moments they were recorded (s);
+RowInputs = tuple[Array, float, Array, Array, Array]
+"""Wrenches as `measured_wrench.py` has them, (n - 1, width), and how long after their moments they were recorded (s);
 parameters (p,), their covariance (p, p), and a root of it (p, q)."""
 
 
 class FilteredRow(NamedTuple):
-    """`residual = slopes @ (change of theta | lateness) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
+    """`residual = slopes @ (change of theta | delay) + ends @ (e_k - fade e_(k-1)) + noise`, with e what is wrong
     with the mean nu at the ends, of covariance `before` and `after`. `shared` (f, f) is the part of the noise that each
     neighbour has, too.
 
@@ -116,7 +116,7 @@ class FilteredRow(NamedTuple):
 
     `by_rise` (f, f, p) are the partials of the slopes by B[nu'], and `quieter` (f, f) is how much the noise is less as
     a rule (`slope_noise.py`). `of_wrenches` (f, f) is what the noise of wrenches would be of white samples, and
-    `of_lateness` (2, f, f) the covariance of what it does to the slope by the lateness, with itself and with the
+    `of_delay` (2, f, f) the covariance of what it does to the slope by the delay, with itself and with the
     residual."""
 
     residual: Array
@@ -131,7 +131,7 @@ class FilteredRow(NamedTuple):
     by_rise: Array
     quieter: Array
     of_wrenches: Array
-    of_lateness: Array
+    of_delay: Array
 
 
 def over(rows: Array) -> tuple[int, int]:
@@ -231,13 +231,17 @@ def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> t
 
 
 @row_entry
-def row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
+def row(
+    weighing: Weights, rise: Array, found: Found, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
+) -> FilteredRow:
     """The filtered row, from what was found where `begun` asked for it."""
-    return _row(weighing, rise, found, block, given, left_out)
+    return _row(weighing, rise, found, block, given, unmodelled)
 
 
 @row_compiled
-def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: Given, left_out: LeftOut) -> FilteredRow:
+def _row(
+    weighing: Weights, rise: Array, found: Found, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
+) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
     wrenches, ahead, theta, _, spread = given
@@ -255,28 +259,28 @@ def _row(weighing: Weights, rise: Array, found: Found, block: Smoothed, given: G
             for i in range(n):
                 slopes[a, q] += weighing.linear[i] * by[n + i, a, q]
     of_wrenches = noise_of_wrenches(weighing.held, weighing.held, wrenches, f)
-    white = left_out.loudness * of_wrenches + weighing.of_white * left_out.disturbance
+    white = unmodelled.wrench_variance_factor * of_wrenches + weighing.of_white * unmodelled.disturbance
     noise = white.copy()
     add_stuck(weighing.linear, found.stuck, noise)
     for j in range(2 * k):
         add_other_memory(weighing.linear, found.wrench, others + j * n, noise)
     add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
     left_on_average, curvature = curvature_of(
-        by[still + f + 1 : others], spread, (left_out.scaled, theta[0]), weighing.linear.sum()
+        by[still + f + 1 : others], spread, (unmodelled.scaled, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
     slopes = with_rise(slopes, by_acceleration, rise)
     known = ahead - NOMINAL_DELAY_PERIODS * (block.time[n - 1] - block.time[0]) / (n - 1)
-    of_lateness = add_lateness((weighing.of_motion[2], weighing.held), known, wrenches, (residual, slopes))
-    quieter = weighing.of_white * (left_out.usual - left_out.disturbance)
+    of_delay = add_delay((weighing.of_motion[2], weighing.held), known, wrenches, (residual, slopes))
+    quieter = weighing.of_white * (unmodelled.usual - unmodelled.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
     link = -FILTER_RATE * mass, weighing.fade, noise, before, after, shared
-    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_lateness)
+    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_delay)
 
 
 @row_entry
 def worked_out(
-    cart: tuple[Array, Indices, int], weighing: Weights, block: Smoothed, given: Given, left_out: LeftOut
+    cart: tuple[Array, Indices, int], weighing: Weights, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
 ) -> FilteredRow:
     """`begun` and `row` at once, of a cart whose effects all have kernels: its workspace, and how many wrenches Coulomb
     effects may give."""
@@ -290,7 +294,7 @@ def worked_out(
     slow, columns = asked.state[:n].copy(), np.empty(3 * n_stuck)
     put(slowest(block.velocity, block.covariance), slow[:, 3 : 3 + f])
     _find_stuck((floats, ints), (slow, block.time, at_most(theta, covariance)), found.stuck, columns)
-    return _row(weighing, rise, found, block, given, left_out)
+    return _row(weighing, rise, found, block, given, unmodelled)
 
 
 @compiled

@@ -93,7 +93,7 @@ def noise_of_wrenches(one: Array, other: Array, wrenches: Array, f: int) -> Arra
 
 
 @row_compiled
-def add_lateness(weights: tuple[Array, Array], known: float, wrenches: Array, found: tuple[Array, Array]) -> Array:
+def add_delay(weights: tuple[Array, Array], known: float, wrenches: Array, found: tuple[Array, Array]) -> Array:
     """Adds to the last of the slopes (f, p + 1) what a second by which wrenches are late takes off B of them, which is
     B of how fast they change; and to the residual (f,) what it comes to over the time (s) by which they are `known` to
     be early. Returns the covariances (2, f, f) of what their noise does to that slope: of itself, and with what it does

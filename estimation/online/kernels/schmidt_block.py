@@ -18,7 +18,7 @@ and free ones, and how many numbers stiction has at most."""
 class Considered(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
     the last NIS (2,), how sensors do (3, 4), as in `sensor_health.py`, and poses that are astray (12,), as in
-    `found_again.py`. Of others: parameters (p,) and the free
+    `relocalisation.py`. Of others: parameters (p,) and the free
     ones' covariance (f, f). The last push: its time and that of the one before (2,), the reduced wrench (k,) and its
     covariance (k, k).
 
@@ -34,7 +34,7 @@ class Considered(NamedTuple):
     poise: Array
     nis: Array
     health: Array
-    astray: Array
+    outlier_run: Array
     theta: Array
     beside: Array
     pushed: Array
@@ -67,7 +67,7 @@ def parts(block: Array, plan: Indices) -> Considered:
     poise, at = block[at : at + m], at + m
     nis, at = block[at : at + 2], at + 2
     health, at = block[at : at + 12].reshape((3, 4)), at + 12
-    astray, at = block[at : at + 12], at + 12
+    outlier_run, at = block[at : at + 12], at + 12
     theta, at = block[at : at + p], at + p
     beside, at = block[at : at + f * f].reshape((f, f)), at + f * f
     pushed, at = block[at : at + 2], at + 2
@@ -88,7 +88,7 @@ def parts(block: Array, plan: Indices) -> Considered:
         poise,
         nis,
         health,
-        astray,
+        outlier_run,
         theta,
         beside,
         pushed,

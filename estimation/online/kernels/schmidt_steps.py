@@ -17,10 +17,10 @@ from cartgrasp.kernels.workspace import unpack as unpack_cart
 
 from . import sensor_health
 from .correction import INNOVATION_GATE, Believed, add_congruence, carved, eliminate, take_pose, take_velocity
-from .felt_wrench import WRENCH_HOLD_TIME
-from .found_again import begin_anew, is_found
 from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
+from .measured_wrench import WRENCH_HOLD_TIME
+from .relocalisation import is_relocalised, restart_motion
 from .schmidt_block import N_SIZES, Considered, parts
 
 MAX_FILTER_STEP = 0.01
@@ -79,7 +79,7 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
 @entry
 def take(block: Array, plan: Indices, time: float, seen: Array, felt: Array, gate_ratio: float) -> int:
     """What is `seen` (6,), a pose and a velocity, NaN where missing; then what is felt from now on, from the time of a
-    sample on as in `felt_wrench.py`, or NaN. Returns how sensors do; `gate_ratio` is the ratio of the wrench's."""
+    sample on as in `measured_wrench.py`, or NaN. Returns how sensors do; `gate_ratio` is the ratio of the wrench's."""
     return _take(unpack(block, plan), time, seen, felt, gate_ratio)
 
 
@@ -195,8 +195,8 @@ def _take(d: Considered, time: float, seen: Array, felt: Array, gate_ratio: floa
     note(d.health[0], time, d.nis[0] / (3 * INNOVATION_GATE))
     note(d.health[1], time, d.nis[1] / (len(d.push) * INNOVATION_GATE))
     note(d.health[2], time, gate_ratio if is_felt else math.nan)
-    if is_found(d, time, seen[:3], 3 * INNOVATION_GATE):
-        begin_anew(d)
+    if is_relocalised(d, time, seen[:3], 3 * INNOVATION_GATE):
+        restart_motion(d)
     if is_felt:
         push(d, time, felt)
     return said_of(d.health)

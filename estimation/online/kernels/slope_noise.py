@@ -101,8 +101,8 @@ def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tupl
         bias[q] = inner(uneven, by)
         for i in range(q + 1):
             information[q, i] = information[i, q] = inner(noisy[i], weighed[q])
-    information[m, m] = inner(weight, row.of_lateness[0])
-    bias[m] = -inner(weight, row.of_lateness[1])
+    information[m, m] = inner(weight, row.of_delay[0])
+    bias[m] = -inner(weight, row.of_delay[1])
     return bias, information
 
 

@@ -29,7 +29,7 @@ class DisturbanceLevel:
     """Densities (g,), N²s, of which the last is the highest, with the log-likelihood of each."""
 
     densities: Array
-    told: Array
+    log_likelihoods: Array
 
     @classmethod
     def between(cls, low: float, high: float) -> Self:
@@ -47,9 +47,9 @@ class DisturbanceLevel:
         return float(self.densities[-1])
 
     @property
-    def usual(self) -> float:
+    def mean_density(self) -> float:
         """N²s, in the mean over all."""
-        likely = np.exp(self.told - self.told.max())
+        likely = np.exp(self.log_likelihoods - self.log_likelihoods.max())
         return float(likely @ self.densities / likely.sum())
 
     def after(self, innovation: Innovation, one: Array) -> Self:
@@ -57,4 +57,6 @@ class DisturbanceLevel:
         if len(self.densities) == 1:
             return self
         more = (self.densities - self.highest)[:, None, None] * one
-        return replace(self, told=LEVEL_FORGETTING_FACTOR * self.told + innovation.log_likelihoods(more))
+        return replace(
+            self, log_likelihoods=LEVEL_FORGETTING_FACTOR * self.log_likelihoods + innovation.log_likelihoods(more)
+        )

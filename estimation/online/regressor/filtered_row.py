@@ -28,14 +28,14 @@ from ...noise import FilterNoise
 from ...standstill import HALF_TRACK, STANDSTILL_SPEED
 from ..kernels import row_algebra as kernels
 from ..kernels import row_parts
-from ..kernels.row_algebra import FilteredRow, Found, LeftOut, Smoothed, Weights
+from ..kernels.row_algebra import FilteredRow, Found, Smoothed, UnmodelledNoise, Weights
 from ..kernels.row_parts import STANDSTILL_SIGMAS
 
 
 @dataclass(frozen=True)
 class Block:
     """What a row is worked out from: n smoothed moments, and wrenches, each held to the next moment, as rows (n - 1) of
-    `kernels/felt_wrench.py`, which were recorded `ahead` (s) of their moments."""
+    `kernels/measured_wrench.py`, which were recorded `ahead` (s) of their moments."""
 
     weights: Weights
     moved: Smoothed
@@ -59,20 +59,22 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
     return bool((found + STANDSTILL_SIGMAS * std < speed).any())
 
 
-def filtered_row(cart: CartModel, known: Gaussian, spread: Array, block: Block, left_out: LeftOut) -> FilteredRow:
+def filtered_row(
+    cart: CartModel, known: Gaussian, spread: Array, block: Block, unmodelled: UnmodelledNoise
+) -> FilteredRow:
     """The filtered row of a block, around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
 
     Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
     believed, a swivel torque would be learned away while casters just trail."""
     given = block.wrenches, block.ahead, known.mean, known.covariance, spread
     if not cart.is_compiled:
-        return _in_numpy(cart, block, given, left_out)
+        return _in_numpy(cart, block, given, unmodelled)
     dynamics = cart.dynamics
     workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
-    return kernels.worked_out(workspace, block.weights, block.moved, given, left_out)
+    return kernels.worked_out(workspace, block.weights, block.moved, given, unmodelled)
 
 
-def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: LeftOut) -> FilteredRow:
+def _in_numpy(cart: CartModel, block: Block, given: kernels.RowInputs, unmodelled: UnmodelledNoise) -> FilteredRow:
     """Where some effect has no kernel."""
     moved, (_, _, theta, covariance, spread) = block.moved, given
     rise, asked = kernels.begun(block.weights, moved, theta, spread)
@@ -85,7 +87,7 @@ def _in_numpy(cart: CartModel, block: Block, given: kernels.Given, left_out: Lef
         by_parameters=np.ascontiguousarray(there.by_parameters),
         stuck=np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time)),
     )
-    return kernels.row(block.weights, rise, found, moved, given, left_out)
+    return kernels.row(block.weights, rise, found, moved, given, unmodelled)
 
 
 def one_disturbance(cart: CartModel, noise: FilterNoise) -> Array:

@@ -25,13 +25,13 @@ MASS_INDEX = 0
 """Its place among the parameters."""
 
 
-class Told(NamedTuple):
+class LearnedParameters(NamedTuple):
     """Parameters (p,), their covariance (p, p), and a root of it (p, f); and how late wrenches are (s)."""
 
     theta: Array
     covariance: Array
     root: Array
-    lateness: float
+    wrench_delay: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -93,13 +93,13 @@ class MassProducts:
         found[:n, :n] = by
         return row._replace(slopes=row.slopes @ found, by_rise=row.by_rise @ by)
 
-    def told(self, believed: Told) -> Told:
+    def told(self, believed: LearnedParameters) -> LearnedParameters:
         """What is told of the factors, from what is believed of the products."""
         if not len(self.scaled):
             return believed
         theta = self.factors(believed.theta)
         by = self.jacobian(theta)
-        return Told(theta, by @ believed.covariance @ by.T, by @ believed.root, believed.lateness)
+        return LearnedParameters(theta, by @ believed.covariance @ by.T, by @ believed.root, believed.wrench_delay)
 
     def belief(self, factors: Gaussian, free: Indices, theta: Array) -> Gaussian:
         """The belief of the free products (f,), from that of the free factors; the others are `theta` (p,)."""

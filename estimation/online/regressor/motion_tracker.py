@@ -20,7 +20,7 @@ from cartgrasp.shallow_copy import shallow_copy
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ..kernels import tracked_motion as kernels
-from ..kernels.felt_wrench import size
+from ..kernels.measured_wrench import size
 from ..kernels.recorded_moment import NEW_MOMENT, record
 from ..kernels.row_algebra import SMOOTHING_LAG, Smoothed, over
 
@@ -118,7 +118,8 @@ class MotionTracker:
 
     def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
         """A sample of the last moment, or of a later one: pose and velocity `seen` (6,), NaN where missing; the arms'
-        wrenches (6 n,), if any, and the rest of `felt_wrench.Felt`. Returns what `recorded_moment.py` says of it."""
+        wrenches (6 n,), if any, and the rest of `measured_wrench.MeasuredWrench`. Returns what `recorded_moment.py`
+        says of it."""
         n = self._n
         if n == len(self._rows):
             self.make_room(n + 1)
@@ -132,13 +133,13 @@ class MotionTracker:
         kernels.known_of(self._known, self._free).variances[3:] = variances
 
     @property
-    def felt(self) -> Array:
+    def measured_wrench(self) -> Array:
         """The last moment's row, from the wrench on."""
         return self._rows[self._n - 1, 1:]
 
     def wrenches(self, k: int, late: float) -> tuple[Array, float]:
-        """The wrenches of the first k moments, (k, width), as in `felt_wrench.py`, if they were recorded so late (s),
-        as far as there are any; and how much later their samples are in the mean than the ones of the moments."""
+        """The wrenches of the first k moments, (k, width), as in `measured_wrench.py`, if they were recorded so late
+        (s), as far as there are any; and how much later their samples are in the mean than the ones of the moments."""
         here = self._rows[: self._n, : 1 + self._wrench]
         rows, time = np.concatenate([self._past, here]), here[:, 0]
         late = min(max(late, rows[0, 0] - time[0]), time[-1] - time[k - 1])

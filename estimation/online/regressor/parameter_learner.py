@@ -3,7 +3,7 @@
 Motion is followed without wrenches and smoothed over the last moments (`motion_tracker.py`); several times a second a
 block of it becomes a row (`filtered_row.py`), and rows add up (`regression_belief.py`). Force noise stands on one side
 of a row only, and what is noise in the other is taken off, so that neither biases the mass. What surprises is a push,
-a load or another floor (`trial.py`).
+a load or another floor (`load_hypotheses.py`).
 """
 
 from __future__ import annotations
@@ -25,26 +25,26 @@ from cartgrasp.shallow_copy import shallow_copy
 from ...gaussian import Gaussian
 from ...health import Health
 from ...noise import FilterNoise
-from ...parameter_report import ParameterReport, WhenAsked, as_taught
+from ...parameter_report import LazyParameters, ParameterReport, qualified_by_health
 from ...physical_set import PhysicalSet
 from ...prior import Prior
 from ..disturbance.observer import PUSH_FORCE_STD
 from ..kernels.recorded_moment import ROW_DUE, WRENCH_USED
-from ..kernels.row_algebra import FilteredRow, LeftOut, weights
+from ..kernels.row_algebra import FilteredRow, UnmodelledNoise, weights
 from ..load_change import load_covariance, root_of
 from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
 from .disturbance_level import DisturbanceLevel
 from .filtered_row import Block, filtered_row, is_slower, one_disturbance, stands_still
 from .followed_memory import FollowedMemory
-from .load_watch import CHI2_TEST_ROWS, LoadWatch
+from .load_hypotheses import HypothesesStart, LearnedRow, LoadHypotheses
+from .load_monitor import CHI2_TEST_ROWS, LoadMonitor
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
-from .row_stages import Begun, Decided, Heard, RowOf, TakenIn, Tried, Unfinished
+from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, PendingStage, RowStage, SmoothingStage, UpdateStage
 from .scale import ScaleInformation
-from .trial import Beginning, Taken, Trial
-from .wrench_loudness import WrenchLoudness
+from .wrench_noise_scale import WrenchNoiseScale
 
 MAX_REGRESSION_GAP = 0.3
 """s: across a longer one nothing is carried."""
@@ -81,24 +81,24 @@ class ParameterLearner:
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._one_disturbance = one_disturbance(cart, noise)
         self._level, self._is_disturbed = DisturbanceLevel.between(noise.disturbance, unseen), False
-        self.loudness = WrenchLoudness()
-        self._pending: tuple[RowOf, ...] = ()  # rows that wait until the scale is known
+        self.wrench_noise_scale = WrenchNoiseScale()
+        self._pending: tuple[RowStage, ...] = ()  # rows that wait until the scale is known
         self._scale = ScaleInformation.of(cart, prior, self._free)
-        self._watch = LoadWatch(cart.constraints.n_free, len(self._free))
+        self._watch = LoadMonitor(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
-        self._trial: Trial | None = None
-        self.tried = self.loaded = -math.inf  # when a trial was over last, and when one ended with another load
-        self._taken: tuple[Taken, ...] = ()  # the last rows
+        self._hypotheses: LoadHypotheses | None = None
+        self.last_decision = self.last_load_change = -math.inf  # s: of hypotheses, and of some for another load
+        self._taken: tuple[LearnedRow, ...] = ()  # the last rows
         self._push = np.diag(PUSH_FORCE_STD * noise.wrench_scale(cart)) ** 2
         self._memory = FollowedMemory(cart, noise.swivel)
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
         self._seen, self._started, self._has_wrench = MeasuredMotion(), False, False
-        self._unfinished: Unfinished | None = None  # how far a row is worked out
+        self._unfinished: PendingStage | None = None  # how far a row is worked out
         self.worked = False  # whether something of a row was worked out with the last sample, which takes long
-        self.time, self.seen, self.felt = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
+        self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
         self._seen_until = -math.inf  # time of the last pose or velocity
         self._conclude()
 
@@ -124,9 +124,9 @@ class ParameterLearner:
             self._work(self.time - before, is_due=said & ROW_DUE > 0)
         self._watch.go_on(time)
         if said & WRENCH_USED:
-            self.felt, self._has_wrench = self.tracker.felt, True
+            self.measured_wrench, self._has_wrench = self.tracker.measured_wrench, True
         else:
-            self.felt = NO_WRENCHES
+            self.measured_wrench = NO_WRENCHES
 
     def note_disturbance(self, acts: bool) -> None:
         """Whether something else pushes in the rows that come next."""
@@ -160,7 +160,7 @@ class ParameterLearner:
 
     def estimate(self, motion: Motion, health: Health) -> Estimate:
         """What is known by now, with a motion."""
-        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.told_covariance)
+        return Estimate(self.time, motion, self.report, health, self.cart, self.theta, self.reported_covariance)
 
     def copy(self) -> Self:
         other = shallow_copy(self)
@@ -197,7 +197,7 @@ class ParameterLearner:
 
     def _work(self, since: float, *, is_due: bool) -> None:
         """Goes on with a row, `since` (s) the last sample: in slices, where that is short."""
-        if is_due and not isinstance(self._unfinished, Begun):
+        if is_due and not isinstance(self._unfinished, SmoothingStage):
             self._finish()
             self._take_row()
         else:
@@ -209,23 +209,23 @@ class ParameterLearner:
         """The next slice of a row, if one is left."""
         part, self._unfinished = self._unfinished, None
         match part:
-            case Begun() if part.smoothing.left:
+            case SmoothingStage() if part.smoothing.left:
                 self._unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, SLICE_MOMENTS))
-            case Begun():
+            case SmoothingStage():
                 self._unfinished = self._block_of(part)
             case Block():
                 self._unfinished = self._row_of(part)
-            case RowOf():
+            case RowStage():
                 self._unfinished = self._taken_in(*part)
-            case Tried():
+            case HypothesisStage():
                 self._unfinished = part.go_on()
-            case TakenIn():
-                self.loudness, self._unfinished = part.heard(self.loudness)
-            case Heard():
+            case UpdateStage():
+                self.wrench_noise_scale, self._unfinished = part.with_noise_scale(self.wrench_noise_scale)
+            case NoiseScaleStage():
                 self._unfinished = self._decide(*part)
-            case Beginning():
+            case HypothesesStart():
                 self._unfinished = self._begin(part.go_on())
-            case Decided():
+            case DoneStage():
                 self._conclude()
 
     def _finish(self) -> None:
@@ -239,7 +239,7 @@ class ParameterLearner:
             return
         if self.tracker.time[end - 1] <= self._seen_until:
             weighing = weights(self.tracker.time[:end], end - k)
-            self._unfinished = Begun(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
+            self._unfinished = SmoothingStage(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
             self._go_on()
         elif self.time - self._seen_until > MAX_REGRESSION_GAP:
             self._drop_link()
@@ -256,12 +256,12 @@ class ParameterLearner:
         self._work(self.time - before, is_due=self.tracker.over()[0] > 0)
         return len(self.tracker.time)
 
-    def _block_of(self, begun: Begun) -> Block | None:
+    def _block_of(self, begun: SmoothingStage) -> Block | None:
         """A block that teaches something; none where the cart stood still, or nobody knows how it moved."""
         k, end, weighing, smoothing = begun
         tracker = self.tracker
         moved = self._memory.along(smoothing.smoothed, self.theta)
-        wrenches, ahead = tracker.wrenches(end - 1, self.lateness)
+        wrenches, ahead = tracker.wrenches(end - 1, self.wrench_delay)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
         is_whole = math.isfinite(ahead) and not tracker.is_torn(end - 1)
         is_still = stands_still(moved, self.cart)
@@ -276,18 +276,18 @@ class ParameterLearner:
         """The next block does not begin where the last one ended, or stood still."""
         self._belief.drop_link()
         self._taken = self._pending = ()
-        if self._trial is not None:
-            self._settle(self._trial.without_link(is_still=is_still), self.time)
+        if self._hypotheses is not None:
+            self._settle(self._hypotheses.without_link(is_still=is_still), self.time)
             self._conclude()
 
-    def _row_of(self, block: Block) -> RowOf | None:
+    def _row_of(self, block: Block) -> RowStage | None:
         """None where rows can't be learned from yet."""
         known = Gaussian(self.theta, self.covariance)
-        row = filtered_row(self.cart, known, self._spread, block, self._left_out)
-        told = RowOf(float(block.moved.time[-1]), row, block.weights.of_white)
+        row = filtered_row(self.cart, known, self._spread, block, self._unmodelled_noise)
+        told = RowStage(float(block.moved.time[-1]), row, block.weights.of_white)
         return told if self._scale.is_known else self._with_scale(told, block)
 
-    def _with_scale(self, told: RowOf, block: Block) -> RowOf | None:
+    def _with_scale(self, told: RowStage, block: Block) -> RowStage | None:
         """The row, with which the last ones count at last, too; None while the scale is not known."""
         n = len(told.row.residual)
         self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], told.row)
@@ -300,34 +300,36 @@ class ParameterLearner:
         return told
 
     @property
-    def _left_out(self) -> LeftOut:
-        """A trial, or what is known to push, leaves no row quiet: it may bear as much as any."""
+    def _unmodelled_noise(self) -> UnmodelledNoise:
+        """Open hypotheses, or what is known to push, leave no row quiet: it may bear as much as any."""
         level, one = self._level, self._one_disturbance
-        usual = level.highest if self._trial is not None or self._is_disturbed else level.usual
-        return LeftOut(level.highest * one, usual * one, self.loudness.usual, self._products.scaled)
+        usual = level.highest if self._hypotheses is not None or self._is_disturbed else level.mean_density
+        return UnmodelledNoise(
+            level.highest * one, usual * one, self.wrench_noise_scale.variance_factor, self._products.scaled
+        )
 
-    def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> TakenIn | Tried:
-        """What the belief, or a trial, makes of a row."""
-        if self._trial is not None:
-            return Tried(time, self._trial.with_row(row, self.theta)).go_on()
+    def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> UpdateStage | HypothesisStage:
+        """What the belief, or open hypotheses, make of a row."""
+        if self._hypotheses is not None:
+            return HypothesisStage(time, self._hypotheses.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         if not self._is_disturbed:
             self._level = self._level.after(innovation, of_white * self._one_disturbance)
-        self._taken = (*self._taken, Taken(before, row, self.theta))[-CHI2_TEST_ROWS:]
-        return TakenIn(time, innovation)
+        self._taken = (*self._taken, LearnedRow(before, row, self.theta))[-CHI2_TEST_ROWS:]
+        return UpdateStage(time, innovation)
 
-    def _decide(self, time: float, told: Innovation | Trial) -> Decided | Beginning:
+    def _decide(self, time: float, told: Innovation | LoadHypotheses) -> DoneStage | HypothesesStart:
         """What a row says of loads and pushes."""
-        if isinstance(told, Trial):
+        if isinstance(told, LoadHypotheses):
             self._watch.follow(time, told.innovation, is_pushed=told.is_pushed)
             self._settle(told, time)
-            return Decided()
+            return DoneStage()
         root = self._root_of_load
-        if not self._watch.note(time, told, root, self.loudness):
-            return Decided()
+        if not self._watch.note(time, told, root, self.wrench_noise_scale):
+            return DoneStage()
         floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
-        beginning = Beginning.of(time, self._taken, root @ root.T, floor, self._push)
+        beginning = HypothesesStart.of(time, self._taken, root @ root.T, floor, self._push)
         self._taken = ()
         return beginning
 
@@ -337,59 +339,59 @@ class ParameterLearner:
         return np.asarray((self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free])
 
     @property
-    def is_trying(self) -> bool:
+    def is_load_undecided(self) -> bool:
         """Whether it is open whether there is another load."""
-        return self._trial is not None
+        return self._hypotheses is not None
 
-    def hear_of_load(self) -> None:
+    def note_load_change(self) -> None:
         """Somebody else found another load: what was learned of the body counts as little as after one of its own."""
         self._finish()
         root = self._root_of_load
-        self._trial, self._taken = None, ()
+        self._hypotheses, self._taken = None, ()
         self._belief.open(root @ root.T)
-        self.tried = self.loaded = self.time
-        self._watch.hear_of_load(self.time)
+        self.last_decision = self.last_load_change = self.time
+        self._watch.note_load_change(self.time)
         self._conclude()
 
-    def _begin(self, beginning: Beginning) -> Decided | Beginning:
-        """A trial on its way over the last rows, or at the last."""
-        if beginning.left or beginning.trial is None:
+    def _begin(self, beginning: HypothesesStart) -> DoneStage | HypothesesStart:
+        """Hypotheses on their way over the last rows, or at the last."""
+        if beginning.left or beginning.hypotheses is None:
             return beginning
-        self._settle(beginning.trial, beginning.time)
-        return Decided()
+        self._settle(beginning.hypotheses, beginning.time)
+        return DoneStage()
 
-    def _settle(self, trial: Trial, time: float) -> None:
+    def _settle(self, hypotheses: LoadHypotheses, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""
-        self._trial, self._belief = None if trial.is_over else trial, trial.belief
-        if trial.is_over:
-            self.tried, self.loaded = time, time if trial.is_loaded else self.loaded
-        self._watch.settle(time, trial)
+        self._hypotheses, self._belief = None if hypotheses.is_over else hypotheses, hypotheses.belief
+        if hypotheses.is_over:
+            self.last_decision, self.last_load_change = time, time if hypotheses.is_loaded else self.last_load_change
+        self._watch.settle(time, hypotheses)
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
         taken, and the belief stays as it is."""
-        theta, self.covariance, self._spread, self.lateness = self._belief.concluded()
+        theta, self.covariance, self._spread, self.wrench_delay = self._belief.concluded()
         if len(self._free) and not self._limits.holds(theta):
             with suppress(DataError):  # where what is believed is beyond numbers, what was stays
                 self.theta = self._limits.nearest(theta, self._free, self._belief.parameters.information)
             theta = self.theta
-        self.theta, self._report, self.told_covariance = theta, None, self._what_is_told()
+        self.theta, self._report, self.reported_covariance = theta, None, self._covariance_to_report()
         self._mass = self.cart.inverse(*self._at_rest, theta).by_acceleration
         self._believe()
 
-    def _what_is_told(self) -> Array:
+    def _covariance_to_report(self) -> Array:
         """The covariance (p, p) that people are told: of all that is not excluded, and as innovations vary."""
-        wide = None if self._trial is None else self._trial.not_excluded
+        wide = None if self._hypotheses is None else self._hypotheses.not_excluded
         return self._watch.excess * (self.covariance if wide is None else wide.concluded().covariance)
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
-            self._report = self.reported(self.told_covariance)
-        return as_taught(self._report, self._watch.health)
+            self._report = self.reported(self.reported_covariance)
+        return qualified_by_health(self._report, self._watch.health)
 
     def reported(self, covariance: Array) -> Mapping[str, ParameterEstimate]:
         """What would be said of the parameters if they had a covariance (p, p)."""
         given = self.theta, covariance, self._free, self._first_variances
-        return WhenAsked(partial(self.reporter.of_free, *given))
+        return LazyParameters(partial(self.reporter.of_free, *given))

@@ -1,6 +1,6 @@
 """What rows have taught so far: recursive least squares in information form, with a prior and forgetting.
 
-Unknown: the free parameters, the wrenches' lateness (s), what is wrong with nu where the last block
+Unknown: the free parameters, the wrenches' delay (s), what is wrong with nu where the last block
 ended, and the noise that it shares with the next one. These two, the link, are handed from row to row, so that
 neighbours' common noise is counted once. What rows add up to is told without what noise in their slopes does
 (`kernels/slope_noise.py`).
@@ -22,7 +22,7 @@ from ..kernels import belief as kernels
 from ..kernels.jit import Indices
 from ..kernels.row_algebra import FilteredRow
 from ..kernels.slope_noise import SlopeNoise
-from .mass_products import MassProducts, Told
+from .mass_products import LearnedParameters, MassProducts
 
 WRENCH_DELAY_STD = 0.03
 """s, of how late wrenches are, beyond `NOMINAL_DELAY_PERIODS`: clocks of sensors that no trigger shares are off by that
@@ -105,9 +105,9 @@ class RegressionBelief:
         told = self.concluded()
         return Gaussian(told.theta[self._free], told.covariance[np.ix_(self._free, self._free)])
 
-    def concluded(self) -> Told:
+    def concluded(self) -> LearnedParameters:
         """The parameters, of which those that are not free are given."""
-        return self._products.told(Told(*self._concluded[1]))
+        return self._products.told(LearnedParameters(*self._concluded[1]))
 
     @property
     def _concluded(self) -> tuple[kernels.Belief, tuple[Array, Array, Array, float]]:
@@ -115,7 +115,7 @@ class RegressionBelief:
 
     @property
     def solved(self) -> Gaussian:
-        """The belief of the free parameters, the lateness and the link, if there is one."""
+        """The belief of the free parameters, the delay and the link, if there is one."""
         information, pull = self._concluded[0]
         covariance = _inverse(information)
         return Gaussian(covariance @ pull, covariance)

@@ -1,7 +1,8 @@
 """How far a row of the regression is worked out: fast loops go on by one stage, or a part of it, with each sample.
 
-Begun (moments are smoothed) -> Block -> RowOf -> TakenIn -> Heard -> Decided; in a trial RowOf -> Tried -> TakenIn,
-and where a row has one begin Heard -> Beginning -> Decided.
+SmoothingStage -> Block -> RowStage -> UpdateStage -> NoiseScaleStage -> DoneStage; while load hypotheses are open
+RowStage -> HypothesisStage -> UpdateStage, and where a row opens them NoiseScaleStage -> HypothesesStart ->
+DoneStage.
 """
 
 from __future__ import annotations
@@ -10,13 +11,13 @@ from typing import NamedTuple
 
 from ..kernels.row_algebra import FilteredRow, Weights
 from .filtered_row import Block
+from .load_hypotheses import HypothesesStart, HypothesesUpdate, LoadHypotheses
 from .motion_tracker import Smoothing
 from .regression_belief import Innovation
-from .trial import Beginning, Trial, TrialRow
-from .wrench_loudness import WrenchLoudness
+from .wrench_noise_scale import WrenchNoiseScale
 
 
-class Begun(NamedTuple):
+class SmoothingStage(NamedTuple):
     """A block of `end` moments, of which the next one has not the first k, while they are smoothed."""
 
     k: int
@@ -25,7 +26,7 @@ class Begun(NamedTuple):
     smoothing: Smoothing
 
 
-class RowOf(NamedTuple):
+class RowStage(NamedTuple):
     """The row of a block that ends at a time (s), and `Weights.of_white`."""
 
     time: float
@@ -33,38 +34,41 @@ class RowOf(NamedTuple):
     of_white: float
 
 
-class Tried(NamedTuple):
-    """A row of a time (s) on its way through a trial."""
+class HypothesisStage(NamedTuple):
+    """A row of a time (s) on its way through load hypotheses."""
 
     time: float
-    row: TrialRow
+    row: HypothesesUpdate
 
-    def go_on(self) -> Tried | TakenIn:
+    def go_on(self) -> HypothesisStage | UpdateStage:
         row = self.row.go_on()
-        return self._replace(row=row) if row.trial is None else TakenIn(self.time, row.trial)
+        return self._replace(row=row) if row.hypotheses is None else UpdateStage(self.time, row.hypotheses)
 
 
-class TakenIn(NamedTuple):
-    """A row of a time (s) that the belief has taken in: its innovation, or the trial that went on with it."""
-
-    time: float
-    told: Innovation | Trial
-
-    def heard(self, before: WrenchLoudness) -> tuple[WrenchLoudness, Heard]:
-        """How loud wrenches are after the row."""
-        innovation = self.told.innovation if isinstance(self.told, Trial) else self.told
-        return before.after(innovation), Heard(self.time, self.told)
-
-
-class Heard(NamedTuple):
-    """What a row of a time (s) told, after which it is known how loud wrenches are."""
+class UpdateStage(NamedTuple):
+    """A row of a time (s) that the belief has taken in: its innovation, or the load hypotheses that went on with
+    it."""
 
     time: float
-    told: Innovation | Trial
+    told: Innovation | LoadHypotheses
+
+    def with_noise_scale(self, before: WrenchNoiseScale) -> tuple[WrenchNoiseScale, NoiseScaleStage]:
+        """The noise scale of wrenches after the row."""
+        innovation = self.told.innovation if isinstance(self.told, LoadHypotheses) else self.told
+        return before.after(innovation), NoiseScaleStage(self.time, self.told)
 
 
-class Decided(NamedTuple):
+class NoiseScaleStage(NamedTuple):
+    """What a row of a time (s) told, after which the noise scale of wrenches is known."""
+
+    time: float
+    told: Innovation | LoadHypotheses
+
+
+class DoneStage(NamedTuple):
     """A row after which it is known what to believe."""
 
 
-Unfinished = Begun | Block | RowOf | Tried | TakenIn | Heard | Beginning | Decided
+PendingStage = (
+    SmoothingStage | Block | RowStage | HypothesisStage | UpdateStage | NoiseScaleStage | HypothesesStart | DoneStage
+)

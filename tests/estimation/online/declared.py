@@ -2,11 +2,11 @@
 
 from __future__ import annotations
 
-from estimation.online.kernels.row_algebra import LeftOut
+from estimation.online.kernels.row_algebra import UnmodelledNoise
 from estimation.online.regressor.filtered_row import one_disturbance
 
 
-def left_out(cart, noise, scaled):
+def unmodelled_noise(cart, noise, scaled):
     """Disturbances are as loud as ever; a row is linear in the products of the `scaled` parameters with the mass."""
     density = noise.disturbance**2 * one_disturbance(cart, noise)
-    return LeftOut(density, density, 1.0, scaled)
+    return UnmodelledNoise(density, density, 1.0, scaled)

@@ -20,7 +20,7 @@ from estimation.online.regressor.filtered_row import Block, filtered_row
 from estimation.online.regressor.followed_memory import MAX_MEMORY_STD_RATIO, FollowedMemory
 
 from ..runs import wrench_rows
-from .declared import left_out
+from .declared import unmodelled_noise
 
 TRAIL, TORQUE = 0.045, 0.12
 WHEELS = (
@@ -60,7 +60,7 @@ def along_casters(memory, std):
         wrench_rows(time[:-1], np.zeros((20, 2)), CART.parameters),
     )
     known = Gaussian(CART.parameters, np.zeros((len(CART.parameters),) * 2))
-    return filtered_row(CART, known, none, block, left_out(CART, FilterNoise(), np.zeros(0, np.int64))).noise
+    return filtered_row(CART, known, none, block, unmodelled_noise(CART, FilterNoise(), np.zeros(0, np.int64))).noise
 
 
 def test_what_is_not_known_of_a_swing_is_noise():

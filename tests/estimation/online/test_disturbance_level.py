@@ -31,7 +31,7 @@ def test_it_finds_the_level_at_which_rows_are_drawn(root, seed):
     for row in rows:
         level = level.after(innovation(row), ONE)
     step = (HIGH / LOW) ** (1.0 / (N_DISTURBANCE_LEVELS - 1))
-    assert root / (1.3 * step) < np.sqrt(level.usual) < root * 1.3 * step
+    assert root / (1.3 * step) < np.sqrt(level.mean_density) < root * 1.3 * step
 
 
 def test_likelihoods_are_those_of_each_alone():
@@ -45,5 +45,5 @@ def test_likelihoods_are_those_of_each_alone():
 
 def test_where_nothing_louder_is_borne_with_there_is_one_level():
     level = DisturbanceLevel.between(0.5, 0.2)
-    assert level.usual == level.highest == 0.25
+    assert level.mean_density == level.highest == 0.25
     assert level.after(innovation(np.zeros(2)), ONE) is level

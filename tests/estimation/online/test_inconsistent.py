@@ -14,7 +14,7 @@ from cartgrasp.studies.table1 import ROWS, scenario
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
 from estimation.identifiable import identifiability
-from estimation.parameter_report import as_taught
+from estimation.parameter_report import qualified_by_health
 from estimation.whole_log.replay import replay
 
 from ..runs import simulate
@@ -89,7 +89,7 @@ def test_as_taught(health):
         "mass": ParameterEstimate(24.0, 0.1, "kg", True),
         "com_x": ParameterEstimate(0.0, 0.2, "m", False),
     }
-    told = as_taught(known, health)
+    told = qualified_by_health(known, health)
     if health in (Health.INCONSISTENT, Health.LOAD_CHANGED):
         assert dict(told) == {name: replace(one, identifiable=False) for name, one in known.items()}
     else:

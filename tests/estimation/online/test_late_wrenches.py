@@ -17,7 +17,7 @@ from estimation.online.regressor.motion_tracker import MotionTracker
 from estimation.whole_log.replay import replay
 
 from ..runs import simulate, wrench_rows
-from .declared import left_out
+from .declared import unmodelled_noise
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
 GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0), RollingResistance(0.015)))
@@ -31,7 +31,9 @@ def row(wrenches, late=0.0, ahead=0.0):
     moved = Smoothed(TIME, zero, zero[:, :2], zero[:, :2], exact, exact[:3], zero[:, :0], zero[:, :0])
     rows = wrench_rows(TIME[:-1], wrenches(TIME[:-1] - late), PLAIN.parameters)
     known, block = Gaussian(PLAIN.parameters, np.zeros((4, 4))), Block(weights(TIME, 8), moved, rows, ahead)
-    return filtered_row(PLAIN, known, np.zeros((4, 0)), block, left_out(PLAIN, FilterNoise(), np.zeros(0, np.int64)))
+    return filtered_row(
+        PLAIN, known, np.zeros((4, 0)), block, unmodelled_noise(PLAIN, FilterNoise(), np.zeros(0, np.int64))
+    )
 
 
 def swinging(time):
@@ -54,7 +56,7 @@ def test_noise_of_wrenches_is_in_the_slope_and_in_the_residual():
     random = np.random.default_rng(0)
     drawn = [row(lambda time: random.standard_normal((len(time), 2))) for _ in range(4000)]
     slopes, residuals = np.array([(one.slopes[:, -1], one.residual) for one in drawn]).transpose(1, 0, 2)
-    own, with_residual = drawn[0].of_lateness
+    own, with_residual = drawn[0].of_delay
     assert np.diagonal(own) == pytest.approx(np.var(slopes, axis=0), rel=0.1)
     size = np.sqrt(own[0, 0] * np.var(residuals))
     assert np.diagonal(with_residual) == pytest.approx(np.mean(slopes * residuals, axis=0), abs=0.05 * size)

@@ -12,10 +12,10 @@ from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
 from estimation.online.regressor.filtered_row import Block, filtered_row
-from estimation.online.regressor.mass_products import MassProducts, Told
+from estimation.online.regressor.mass_products import LearnedParameters, MassProducts
 
 from ..runs import wrench_rows
-from .declared import left_out
+from .declared import unmodelled_noise
 
 CART = CartModel(
     Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(3.0), FloorSlope(0.01, 0.02), RollingResistance(0.02))
@@ -42,7 +42,7 @@ def test_there_and_back_with_slopes_by_differences():
     assert PRODUCTS.by_factors(theta) @ by == pytest.approx(np.eye(len(theta)), abs=1e-12)
     root = np.diag(np.arange(1.0, 1 + len(theta)))
     belief = PRODUCTS.belief(Gaussian(theta, root @ root), FREE, theta)
-    told = PRODUCTS.told(Told(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance), 0.0))
+    told = PRODUCTS.told(LearnedParameters(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance), 0.0))
     assert told.theta == pytest.approx(theta)
     assert told.covariance == pytest.approx(root @ root)
     assert told.root @ told.root.T == pytest.approx(root @ root)
@@ -61,7 +61,7 @@ def test_a_row_is_linear_in_them():
     def row(theta):
         block = Block(weights(time, 1), moved, wrench_rows(time[:-1], np.zeros((10, 2)), theta))
         known = Gaussian(theta, spread @ spread.T)
-        return filtered_row(cart, known, spread, block, left_out(cart, FilterNoise(), products.scaled))
+        return filtered_row(cart, known, spread, block, unmodelled_noise(cart, FilterNoise(), products.scaled))
 
     here, there = cart.parameters, cart.parameters.copy()
     there[[0, 4]] = 60.0, 0.005

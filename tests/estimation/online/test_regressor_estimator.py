@@ -19,15 +19,15 @@ from estimation.online.kernels.row_parts import FILTER_RATE
 from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
 from estimation.online.regressor.filtered_row import Block, filtered_row
-from estimation.online.regressor.load_watch import LoadWatch
+from estimation.online.regressor.load_monitor import LoadMonitor
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import Innovation, RegressionBelief
-from estimation.online.regressor.wrench_loudness import WrenchLoudness
+from estimation.online.regressor.wrench_noise_scale import WrenchNoiseScale
 from estimation.whole_log.replay import replay
 
 from ..runs import integrate, pushed, simulate, simulate_two_hands, wrench_rows
 from ..whole_log.test_identification import at_rest
-from .declared import left_out
+from .declared import unmodelled_noise
 
 NONE = np.zeros(0, np.int64)
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
@@ -108,7 +108,9 @@ def test_a_row_of_the_truth_has_no_residual():
     def row(theta):
         rows = wrench_rows(time[:-1], wrenches[block][:-1], theta)
         known, spread = Gaussian(theta, np.zeros((6, 6))), np.zeros((6, 0))
-        return filtered_row(cart, known, spread, Block(weighing, moved, rows), left_out(cart, FilterNoise(), NONE))
+        return filtered_row(
+            cart, known, spread, Block(weighing, moved, rows), unmodelled_noise(cart, FilterNoise(), NONE)
+        )
 
     found = row(cart.parameters)
     size = weighing.held @ wrenches[block][:-1]
@@ -133,8 +135,8 @@ def test_what_is_not_linear_is_noise_and_bias_while_little_is_known():
     spread = np.diag([4.0, 1.0, 1.0, 0.5, 0.005])
     spread[4, 0] = -0.004
     known, block = Gaussian(cart.parameters, spread @ spread.T), Block(weights(time, 1), moved, rows)
-    row = filtered_row(cart, known, spread, block, left_out(cart, FilterNoise(), NONE))
-    straight = filtered_row(cart, known, np.zeros((5, 0)), block, left_out(cart, FilterNoise(), NONE))
+    row = filtered_row(cart, known, spread, block, unmodelled_noise(cart, FilterNoise(), NONE))
+    straight = filtered_row(cart, known, np.zeros((5, 0)), block, unmodelled_noise(cart, FilterNoise(), NONE))
     drawn = random.standard_normal((20000, 5)) @ spread.T
     rows = np.tile([0.0, 0.0, 0.0, 0.5, 0.2], (20000, 1)), np.tile([0.3, 0.1], (20000, 1))
     at = cart.inverse(rows[0], rows[1], cart.parameters)
@@ -168,7 +170,7 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, around=lambda: 4.0, 
             by_rise=np.full((1, 1, 1), 0.0 if is_naive else 1.0),
             quieter=np.zeros((1, 1)),
             of_wrenches=noise,
-            of_lateness=np.zeros((2, 1, 1)),
+            of_delay=np.zeros((2, 1, 1)),
         )
 
 
@@ -362,7 +364,7 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
     """Of rows since each moment, stacked: with the load's covariance, or without."""
     random = np.random.default_rng(0)
     root = random.standard_normal((3, 2))
-    load, watch, rows = root @ root.T, LoadWatch(2, 3), []
+    load, watch, rows = root @ root.T, LoadMonitor(2, 3), []
     for _ in range(5):
         slopes, news, spread = random.standard_normal((2, 3)), random.standard_normal(2), np.diag([0.5, 2.0])
         rows.append((slopes, news, spread))
@@ -373,7 +375,7 @@ def test_the_evidence_of_a_load_is_a_ratio_of_likelihoods():
                 1.0, asked @ news, asked @ slopes, np.zeros((3, 3)), *(own := (news, spread, spread)), own, spread
             ),
             root_of(load),
-            WrenchLoudness(),
+            WrenchNoiseScale(),
         )
     ratios = []
     for first in range(5):

@@ -5,8 +5,8 @@ from itertools import pairwise
 import numpy as np
 
 from estimation import FilterNoise
+from estimation.online.arguments import checked_arguments
 from estimation.online.cart_filter import core_of
-from estimation.online.given import given
 from estimation.online.regressor import parameter_learner
 
 from ..runs import simulate_two_hands
@@ -22,7 +22,7 @@ MOST = LATER + 4 * 11
 
 def changes(log):
     """Steps at which other parameters are believed, and the parameters."""
-    core, found = core_of(given(guess(), None, NOISE, KNOWN, None)), []
+    core, found = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None)), []
     for sample in log.measurements():
         core.take(sample)
         found.append(core.learner.theta)

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import check_sensors
 from estimation.sensor_check.jumps import jump_times, jumps
-from estimation.weak_form.flights import pieces
+from estimation.weak_form.log_segments import segment_logs
 from estimation.whole_log.identification import identify
 
 from .logs import CART, cart_of, found, sealed, two_hands
@@ -43,7 +43,7 @@ def test_small_jumps_are_found(seed, by, way, rate):
     if by > 1.2 * rate * 0.01:
         (time,) = jump_times(moved)
         assert 17.0 < time < 17.0 + 0.011 * rate
-        assert len(pieces(moved, (), [time])) == 2
+        assert len(segment_logs(moved, (), [time])) == 2
 
 
 def test_jumps_teach_nothing():

@@ -7,16 +7,16 @@ from typing import NamedTuple
 
 from ..sensor_check.axle import ASIDE, elsewhere
 from ..sensor_check.suspicion import Suspicion
-from .rivals import BLOCK_FORGETTING_FACTOR, MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW
+from .competing_explanations import BLOCK_FORGETTING_FACTOR, MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW
 
 MIN_TURN_CORRELATION = 0.5
 """Least correlation of a turn with the one before: what turns goes on to, and noise of headings turns back."""
 
 
-class AxleWatch(NamedTuple):
-    """The last turn (rad). And sums, forgotten as `Rivals` are: of turns times the ones before, and of their squares
-    (rad²), of turns times slips that the file's axle leaves (rad m), of squares of such slips and of ways (m²), and of
-    rows."""
+class AxleMonitor(NamedTuple):
+    """The last turn (rad). And sums, forgotten as those of `CompetingExplanations` are: of turns times the ones before,
+    and of their squares (rad²), of turns times slips that the file's axle leaves (rad m), of squares of such slips and
+    of ways (m²), and of rows."""
 
     last: float = 0.0
     lasting: float = 0.0
@@ -26,10 +26,12 @@ class AxleWatch(NamedTuple):
     way: float = 0.0
     rows: float = 0.0
 
-    def and_then(self, turn: float, slip: float, way: float) -> AxleWatch:
+    def and_then(self, turn: float, slip: float, way: float) -> AxleMonitor:
         """With a turn (rad), a slip (m) and the square of a way (m²) more."""
         new = turn * self.last, turn * turn, slip * turn, slip * slip, way, 1.0
-        return AxleWatch(turn, *(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self[1:], new, strict=True)))
+        return AxleMonitor(
+            turn, *(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self[1:], new, strict=True))
+        )
 
     def suspicion(self, axle_x: float, least: float) -> Suspicion | None:
         """`offset` of the pose, where it is as probable at least; None where too little is seen to turn, or the cart

@@ -15,7 +15,7 @@ from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
 from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, Job, drive_cart, guess
 from estimation import CartFilter
 from estimation.online.regressor.regression_belief import Innovation
-from estimation.online.regressor.wrench_loudness import NOISE_VARIANCE_FACTORS, WrenchLoudness
+from estimation.online.regressor.wrench_noise_scale import NOISE_VARIANCE_FACTORS, WrenchNoiseScale
 
 ELSE = np.array([[0.02, 0.001], [0.001, 0.004]])
 WHITE = np.diag([0.5, 0.06])
@@ -27,15 +27,15 @@ HELD_BY = 0.047
 
 def told(rows):
     """Of rows (k, 2), each of which counts on what the ones before told."""
-    loudness = WrenchLoudness()
+    loudness = WrenchNoiseScale()
     for row in rows:
-        spread = ELSE + loudness.usual * WHITE
+        spread = ELSE + loudness.variance_factor * WHITE
         loudness = loudness.after(
             Innovation(
                 0.0, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), *(own := (row, 4.0 * spread, spread)), own, WHITE
             )
         )
-    return loudness.usual
+    return loudness.variance_factor
 
 
 def drawn(seed, loudness, n=300):
@@ -71,7 +71,7 @@ def test_a_second_of_outliers_in_half_a_minute_is_no_noise(seed, size):
 )
 def test_rows_beyond_numbers_tell_nothing(value, spread):
     """A singular one among them."""
-    loudness, known = WrenchLoudness(), ELSE + WHITE
+    loudness, known = WrenchNoiseScale(), ELSE + WHITE
     sound = Innovation(
         0.0, np.zeros(0), np.zeros((0, 0)), np.zeros((0, 0)), *(own := (np.zeros(2), known, known)), own, WHITE
     )
@@ -88,8 +88,8 @@ def test_rows_beyond_numbers_tell_nothing(value, spread):
     with np.errstate(all="ignore"):
         for row in 4 * [sound] + 4 * [strange] + 4 * [sound]:
             loudness = loudness.after(row)
-    assert np.isfinite(loudness.told).all()
-    assert loudness.usual == 1.0
+    assert np.isfinite(loudness.log_likelihoods).all()
+    assert loudness.variance_factor == 1.0
 
 
 @pytest.fixture(scope="module")

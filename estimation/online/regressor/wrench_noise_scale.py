@@ -1,8 +1,8 @@
-"""How many times louder wrenches are, over a row, than white samples of the declared deviation.
+"""Noise scale of wrenches: the variance of their noise, over a row, beside that of white samples as declared.
 
-Noise that remembers adds up: of samples `dt` apart, with a correlation time t, means over a row have `coth(dt / 2 t)`
+Autocorrelated noise adds up: of samples `dt` apart, with a correlation time t, means over a row have `coth(dt / 2 t)`
 times the variance of means of white ones, and next to nothing of it shows from sample to sample. So the innovations of
-rows tell it: `log p(rows | loudness)`, in which older ones fade. What a model lacks goes on pulling the same way, and
+rows tell it: `log p(rows | factor)`, in which older ones fade. What a model lacks goes on pulling the same way, and
 noise of sensors does not for long; so it is told by differences of innovations that are some rows apart, in which the
 former is gone (von Neumann 1941).
 """
@@ -30,7 +30,7 @@ NOISE_FORGETTING_FACTOR = 0.998
 DIFFERENCE_LAG_ROWS = 3
 """Rows from one innovation to that from which it differs: 0.3 s."""
 DIFFERENCE_GATE = 6.0
-"""Normalised squares, by component, beyond which a difference is no louder: what jumps is no noise."""
+"""Normalised squares, by component, beyond which a difference counts as no noisier: what jumps is no noise."""
 MIN_REPORTED_NOISE_RATIO = 1.5
 """Times the declared deviation."""
 
@@ -45,17 +45,17 @@ class Row(NamedTuple):
 
 
 @dataclass(frozen=True, eq=False)
-class WrenchLoudness:
+class WrenchNoiseScale:
     """The log-likelihood of each level; the likeliest, on which the next row counts; and the last rows."""
 
-    told: Array = field(default_factory=lambda: np.zeros(len(NOISE_VARIANCE_FACTORS)))
-    usual: float = 1.0
+    log_likelihoods: Array = field(default_factory=lambda: np.zeros(len(NOISE_VARIANCE_FACTORS)))
+    variance_factor: float = 1.0
     last: tuple[Row, ...] = ()
 
     def after(self, innovation: Innovation) -> Self:
-        """After a row that counted on `usual`. One without noise, or beyond numbers, tells nothing."""
+        """After a row that counted on `variance_factor`. One without noise, or beyond numbers, tells nothing."""
         of_wrenches = innovation.of_wrenches
-        row = Row(innovation.value, innovation.of_known - self.usual * of_wrenches, of_wrenches)
+        row = Row(innovation.value, innovation.of_known - self.variance_factor * of_wrenches, of_wrenches)
         last = (*self.last, row)[-DIFFERENCE_LAG_ROWS:]
         if len(self.last) < DIFFERENCE_LAG_ROWS:
             return replace(self, last=last)
@@ -65,7 +65,7 @@ class WrenchLoudness:
         )
         told = np.full(len(NOISE_VARIANCE_FACTORS), np.nan)
         with suppress(np.linalg.LinAlgError):
-            told = NOISE_FORGETTING_FACTOR * self.told + log_likelihood(
+            told = NOISE_FORGETTING_FACTOR * self.log_likelihoods + log_likelihood(
                 row.value - before.value, spread, DIFFERENCE_GATE
             )
         if not np.isfinite(told).all():
@@ -81,16 +81,16 @@ class WrenchLoudness:
     @property
     def gain(self) -> float:
         """How much likelier (a logarithm) the last rows are with the level that suits them best."""
-        return float(self.told.max() - self.told[round(math.log2(self.usual))])
+        return float(self.log_likelihoods.max() - self.log_likelihoods[round(math.log2(self.variance_factor))])
 
     @property
     def excess(self) -> float:
-        """How many times as loud that level is, 1 at least."""
-        return max(float(NOISE_VARIANCE_FACTORS[np.argmax(self.told)]) / self.usual, 1.0)
+        """How many times the variance that level has, 1 at least."""
+        return max(float(NOISE_VARIANCE_FACTORS[np.argmax(self.log_likelihoods)]) / self.variance_factor, 1.0)
 
     @property
     def suspicions(self) -> tuple[Suspicion, ...]:
-        times = math.sqrt(self.usual)
+        times = math.sqrt(self.variance_factor)
         if times < MIN_REPORTED_NOISE_RATIO:
             return ()
         words = f"over 0.1 s wrenches are {times:.1f} times as noisy as declared white samples, and taken as such"

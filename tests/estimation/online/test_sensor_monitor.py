@@ -14,8 +14,8 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
-from estimation.online.sensor_watch import SensorWatch
-from estimation.online.watched_block import HEADING_FACTORS, poses_of, velocities_of, wrenches_of
+from estimation.online.sensor_block import HEADING_FACTORS, poses_of, velocities_of, wrenches_of
+from estimation.online.sensor_monitor import SensorMonitor
 from estimation.whole_log.replay import replay
 
 from ..runs import simulate, simulate_two_hands
@@ -197,7 +197,7 @@ def test_block_means():
 @pytest.mark.parametrize(("at_once", "calls"), [(True, 1), (False, 6)])
 def test_a_block_takes_few_calls(at_once, calls):
     """And nothing in between: who asks `due` first pays a comparison."""
-    watch = SensorWatch(GUESS, ["hand"], NOISY, CartFilter(GUESS).prior, {})
+    watch = SensorMonitor(GUESS, ["hand"], NOISY, CartFilter(GUESS).prior, {})
     rows, found = list(run().measurements()), 0
     for i, row in enumerate(rows[:500]):
         if row.time >= watch.due:

@@ -26,7 +26,7 @@ MAX_JOLT_ACCELERATION = 100.0
 """m/s² or rad/s²: what such a step may change."""
 
 
-class Felt(NamedTuple):
+class MeasuredWrench(NamedTuple):
     """Wrenches (6 n,) of n arms, one after the other; the `grip` (f, 6 n + f): what takes them to the reduced wrench,
     and the noise of that; and what is `believed`, flat: the reduced wrench's partials by the parameters (f, p), these
     (p,), and the mass matrix (f, f)."""
@@ -52,7 +52,7 @@ def hold(rows: Array, i: int, time: float, size: int, f: int) -> None:
 
 
 @compiled
-def feel(rows: Array, i: int, time: float, felt: Felt, room: Array) -> bool:
+def record_wrench(rows: Array, i: int, time: float, felt: MeasuredWrench, room: Array) -> bool:
     """Moment i's wrench; False where there is none."""
     grip, believed, n = felt.grip, felt.believed, len(felt.wrenches)
     f, total = len(grip), 0.0

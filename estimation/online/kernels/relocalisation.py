@@ -1,4 +1,5 @@
-"""Poses that go on to be elsewhere than believed, and agree with each other: it is the belief that is wrong.
+"""Relocalisation: poses that go on to be elsewhere than believed, and agree with each other: it is the belief that is
+wrong.
 
 One that is far off is taken for an outlier: it pulls, but can't tear (`correction.py`). What pushed the cart beside the
 arms leaves a belief that moves otherwise than the cart, from which all later poses are far off. So a run of such poses
@@ -33,9 +34,9 @@ RESTART_VELOCITY_STD = 0.3
 
 
 @compiled
-def is_found(d: Considered, time: float, pose: Array, gate: float) -> bool:
+def is_relocalised(d: Considered, time: float, pose: Array, gate: float) -> bool:
     """Whether a pose (3,), which `d.nis` is of, ends a run that is to be believed."""
-    run, first, last, off = d.astray[:3], d.astray[3:6], d.astray[6:9], d.astray[9:]
+    run, first, last, off = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9], d.outlier_run[9:]
     for i in range(3):
         if not math.isfinite(pose[i]):
             return False
@@ -65,9 +66,9 @@ def is_found(d: Considered, time: float, pose: Array, gate: float) -> bool:
 
 
 @compiled
-def begin_anew(d: Considered) -> None:
+def restart_motion(d: Considered) -> None:
     """At the last pose of the run, as quick as it went along."""
-    run, first, last = d.astray[:3], d.astray[3:6], d.astray[6:9]
+    run, first, last = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9]
     k, lasting = len(d.push), run[2] - run[1]
     turned, _ = carved(d.room, k, 3)
     to_free(d.project, last[2], turned)

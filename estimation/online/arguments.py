@@ -1,4 +1,4 @@
-"""What an estimator is given is checked once, when it is made."""
+"""The arguments of estimators, checked once when one is made."""
 
 from __future__ import annotations
 
@@ -15,17 +15,17 @@ from cartgrasp.motion import Measurement
 from ..noise import FilterNoise
 from ..prior import Prior
 
-Given = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
+EstimatorArguments = tuple[CartModel, Sequence[str] | None, FilterNoise, Prior, Mapping[str, float]]
 """Cart, arms, noise, prior and yaws."""
 
 
-def given(
+def checked_arguments(
     cart: CartModel,
     arms: Sequence[str] | None,
     noise: FilterNoise | None,
     prior: Prior | None,
     yaws: Mapping[str, float] | None,
-) -> Given:
+) -> EstimatorArguments:
     """With what is usual in the place of None."""
     check_kind("filter: cart", cart, CartModel, 'load it first: load_cart("cart.yaml")')
     if arms is not None:

@@ -26,13 +26,13 @@ MIN_SEGMENT_DURATION = 1.0
 """Shortest part (s) that says anything."""
 
 
-def flights(log: RunLog, cart: CartModel, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[Balances]:
+def segments(log: RunLog, cart: CartModel, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[Balances]:
     """The parts between impacts and times (s) at which the pose jumped, and away from stops, that are long enough."""
-    return [Balances.of(part, cart) for part in pieces(log, impacts, jumps)]
+    return [Balances.of(part, cart) for part in segment_logs(log, impacts, jumps)]
 
 
-def pieces(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[RunLog]:
-    """The parts of the log's rows that `flights` takes."""
+def segment_logs(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) -> list[RunLog]:
+    """The parts of the log's rows that `segments` takes."""
     away = np.ones(len(log), dtype=bool)
     for time in (*(impact.time for impact in impacts), *jumps):
         away &= np.abs(log.time - time) > IMPACT_MARGIN
@@ -52,7 +52,7 @@ def pieces(log: RunLog, impacts: Sequence[Impact], jumps: Iterable[float] = ()) 
     return parts
 
 
-def unbroken(log: RunLog, hole: float) -> list[RunLog]:
+def split_at_gaps(log: RunLog, hole: float) -> list[RunLog]:
     """Parts in which no more than a `hole` (s) is without a pose: what is not seen for long is no motion."""
     seen = np.flatnonzero(np.isfinite(log.pose).all(axis=1))
     ends = seen[np.flatnonzero(np.diff(log.time[seen]) > hole)]

@@ -22,7 +22,7 @@ MAX_REVERSAL_TIME = 0.3
 """Longest moment (s): who turns back does not stand for as long."""
 
 
-def standing(balances: Balances, cart: CartModel) -> Array:
+def holding_forces(balances: Balances, cart: CartModel) -> Array:
     """What holds a cart that stands for longer than a moment (n, f): anything may."""
     motion = balances.motion
     edges = np.flatnonzero(np.diff(np.r_[False, balances.turning_speed < balances.still_speed, False].astype(int)))
@@ -35,7 +35,7 @@ def standing(balances: Balances, cart: CartModel) -> Array:
     return found
 
 
-def turning_back(balances: Balances, cart: CartModel) -> Array:
+def reversal_drag_errors(balances: Balances, cart: CartModel) -> Array:
     """What drags may be off by (n, f) where a cart turns back: nobody sees when exactly they change their sign."""
     motion, free = balances.motion, cart.constraints.n_free
     unseen = np.abs(motion.acceleration[:, 0]) * KNOT_STEPS * motion.step / 2 + motion.rate_std[:2].max()

@@ -1,4 +1,5 @@
-"""Powers of wrenches, against those that a cart's inertia and friction take as its first guess has them."""
+"""Power balance: powers of wrenches, against those that a cart's inertia and friction take as its first guess has
+them."""
 
 from __future__ import annotations
 
@@ -9,10 +10,10 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .rivals import ROWS_PER_INDEPENDENT_ROW
+from .competing_explanations import ROWS_PER_INDEPENDENT_ROW
 
 
-class Powers(NamedTuple):
+class PowerBalance(NamedTuple):
     """Sums of products of what inertia (i) and friction (f) of the first guess take, and of these with what wrenches
     give."""
 
@@ -24,7 +25,7 @@ class Powers(NamedTuple):
     given: float
 
     @classmethod
-    def of(cls, products: Array, reversed_arm: int | None = None) -> Powers:
+    def of(cls, products: Array, reversed_arm: int | None = None) -> PowerBalance:
         """With the wrench of one arm the other way round; of products (2 + arms, 2 + arms)."""
         signs = np.ones(len(products) - 2)
         if reversed_arm is not None:

@@ -17,18 +17,18 @@ from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import FilteredRow
-from estimation.online.regressor.load_watch import LoadWatch
-from estimation.online.regressor.mass_products import MassProducts
-from estimation.online.regressor.regression_belief import RegressionBelief, mixture
-from estimation.online.regressor.trial import (
+from estimation.online.regressor.load_hypotheses import (
     CHANGE_ONSET_ROWS,
     MAX_HYPOTHESES_ROWS,
     MIN_LOAD_BLOCKS,
     PUSH_END_ROWS,
     PUSH_STEP_STD_RATIO,
-    Beginning,
-    Taken,
+    HypothesesStart,
+    LearnedRow,
 )
+from estimation.online.regressor.load_monitor import LoadMonitor
+from estimation.online.regressor.mass_products import MassProducts
+from estimation.online.regressor.regression_belief import RegressionBelief, mixture
 from estimation.whole_log.replay import replay
 
 FADE, NOISE, USUAL, LOAD = 0.8, 0.09, np.array([[1600.0]]), np.array([[36.0]])
@@ -56,22 +56,22 @@ def row(rise, force):
         by_rise=np.zeros((1, 1, 1)),
         quieter=np.zeros((1, 1)),
         of_wrenches=np.array([[NOISE]]),
-        of_lateness=np.zeros((2, 1, 1)),
+        of_delay=np.zeros((2, 1, 1)),
     )
 
 
 def trial(rows):
     """Begun with the first row."""
     at = np.zeros(1)
-    beginning = Beginning.of(0.0, [Taken(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
+    beginning = HypothesesStart.of(0.0, [LearnedRow(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
     while beginning.left:
         beginning = beginning.go_on()
-    found = beginning.trial
+    found = beginning.hypotheses
     for one in rows[1:]:
         on_its_way = found.with_row(one, at)
-        while on_its_way.trial is None:
+        while on_its_way.hypotheses is None:
             on_its_way = on_its_way.go_on()
-        found = on_its_way.trial
+        found = on_its_way.hypotheses
     return found
 
 
@@ -105,7 +105,7 @@ def test_a_load_goes_on_and_a_push_ends():
     rises = random.uniform(0.3, 0.8, MAX_HYPOTHESES_ROWS)
     noise = math.sqrt(NOISE) * random.standard_normal(MAX_HYPOTHESES_ROWS)
     load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:MIN_LOAD_BLOCKS], noise, strict=False)])
-    assert load.is_told
+    assert load.is_reported
     assert load.is_over
     assert load.belief.parameters.mean[0] == pytest.approx(26.0, abs=3 * load.belief.parameters.covariance[0, 0] ** 0.5)
     pushes = [-3.0, -3.2, -2.8, *np.zeros(PUSH_END_ROWS)]
@@ -158,7 +158,7 @@ def test_what_surprises_thrice_speaks_against_the_model():
     assert floor.is_on_another_floor
     for found, health in ((load, "inconsistent"), (unsure, "inconsistent"), (floor, "ok")):
         assert found.is_over
-        watch = LoadWatch(1, 1)
+        watch = LoadMonitor(1, 1)
         for time in (1.0, 7.0):
             watch.settle(time, found)
             watch.go_on(time + 3.0)

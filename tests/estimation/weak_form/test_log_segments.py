@@ -11,7 +11,13 @@ from hypothesis import strategies as st
 from cartgrasp.errors import DataError
 from estimation.discrepancy import diagnose
 from estimation.impacts.impacts import Impact
-from estimation.weak_form.flights import IMPACT_MARGIN, MIN_SEGMENT_DURATION, MIN_STOP_DISTANCE, flights, unbroken
+from estimation.weak_form.log_segments import (
+    IMPACT_MARGIN,
+    MIN_SEGMENT_DURATION,
+    MIN_STOP_DISTANCE,
+    segments,
+    split_at_gaps,
+)
 
 from ..weak_form.motions import TRUE, cart_of, noisy, weaving
 
@@ -27,7 +33,7 @@ def hit(time, x=0.0, before=0.5, after=-0.3):
 @given(times=st.lists(st.floats(0.0, 12.0), min_size=1, max_size=2))
 def test_parts_lie_between_impacts(times):
     """No part holds a touch; what lies between and is long enough is there, every row of it."""
-    parts = flights(LOG, CART, [hit(t) for t in times])
+    parts = segments(LOG, CART, [hit(t) for t in times])
     ends = np.sort([0.0, *times, 12.0])
     long_ones = [(a, b) for a, b in pairwise(ends) if b - a > MIN_SEGMENT_DURATION + 2 * IMPACT_MARGIN + 0.03]
     assert len(parts) >= len(long_ones)
@@ -43,7 +49,7 @@ def test_parts_lie_between_impacts(times):
 
 
 def test_rows_keep_their_wrenches():
-    early, late = flights(LOG, CART, [hit(5.0)])
+    early, late = segments(LOG, CART, [hit(5.0)])
     own = LOG.time < 5.0 - IMPACT_MARGIN
     assert early.log.arms["arm"].wrench == pytest.approx(LOG.arms["arm"].wrench[own])
     assert early.log.pose == pytest.approx(LOG.pose[own])
@@ -54,7 +60,7 @@ def test_rows_keep_their_wrenches():
 def test_near_a_stop_nothing_is_believed():
     """Hit three times at one place, a cart may lean there unseen: only what is away from it is kept."""
     place = float(LOG.pose[900, 0])
-    parts = flights(LOG, CART, [hit(t, place) for t in (0.05, 0.1, 0.15)])
+    parts = segments(LOG, CART, [hit(t, place) for t in (0.05, 0.1, 0.15)])
     kept = np.concatenate([part.log.pose[:, 0] for part in parts])
     assert np.abs(kept - place).min() >= MIN_STOP_DISTANCE
     assert len(parts) == 2
@@ -62,7 +68,7 @@ def test_near_a_stop_nothing_is_believed():
 
 def test_a_log_that_is_hit_all_the_time_is_refused():
     with pytest.raises(DataError, match="weaving: it is hit so often"):
-        flights(LOG, CART, [hit(t) for t in np.arange(0.0, 12.1, 0.8)])
+        segments(LOG, CART, [hit(t) for t in np.arange(0.0, 12.1, 0.8)])
 
 
 @given(hole=st.floats(0.5, 100.0), at=st.integers(100, 1100), missing=st.integers(0, 80))
@@ -71,7 +77,7 @@ def test_no_part_has_a_hole(hole, at, missing):
     pose = LOG.pose.copy()
     pose[at - missing : at] = np.nan
     paused = replace(LOG, time=LOG.time + hole * (np.arange(len(LOG)) >= at), pose=pose)
-    parts = unbroken(paused, 1.0)
+    parts = split_at_gaps(paused, 1.0)
     assert len(parts) == 1 + (hole + 0.01 * (missing + 1) > 1.0)
     np.testing.assert_array_equal(np.concatenate([part.time for part in parts]), paused.time)
 

@@ -1,4 +1,4 @@
-"""Means over a block of samples, by which `sensor_watch.py` asks whether sensors mean what they say."""
+"""Means over a block of samples, by which `sensor_monitor.py` asks whether sensors mean what they say."""
 
 from __future__ import annotations
 
@@ -24,7 +24,7 @@ MAX_MEASURED_VALUE = 1e9
 FULL_TURN = 2.0 * math.pi
 
 
-class Block(NamedTuple):
+class SensorBlock(NamedTuple):
     """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADING_FACTORS (3,). The mean velocity (3,)
     in {s}, and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise of a sample's
     velocity, linear and yaw, None where they can't be told."""

@@ -1,4 +1,4 @@
-"""Rival explanations of one motion, by the sums of squares that each leaves of it while it goes on."""
+"""Competing explanations of one motion, by the sums of squares that each leaves of it while it goes on."""
 
 from __future__ import annotations
 
@@ -16,16 +16,18 @@ MAX_UNEXPLAINED_FRACTION, MAX_SOUND_RESIDUAL_FRACTION = 0.25, 0.05
 """Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
 
 
-class Rivals(NamedTuple):
+class CompetingExplanations(NamedTuple):
     """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of rows."""
 
     left: tuple[float, ...]
     whole: float = 0.0
     rows: float = 0.0
 
-    def and_then(self, left: Sequence[float], whole: float) -> Rivals:
+    def and_then(self, left: Sequence[float], whole: float) -> CompetingExplanations:
         found = tuple([BLOCK_FORGETTING_FACTOR * old + new for old, new in zip(self.left, left, strict=True)])
-        return Rivals(found, BLOCK_FORGETTING_FACTOR * self.whole + whole, BLOCK_FORGETTING_FACTOR * self.rows + 1.0)
+        return CompetingExplanations(
+            found, BLOCK_FORGETTING_FACTOR * self.whole + whole, BLOCK_FORGETTING_FACTOR * self.rows + 1.0
+        )
 
     @property
     def evidence(self) -> list[float]:

@@ -17,9 +17,9 @@ from cartgrasp.motion import Measurement
 from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import UNIT_ODDS
+from .competing_explanations import CompetingExplanations
 from .first_motion import MAX_TRACKING_GAP
 from .measured_motion import usable
-from .rivals import Rivals
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
 """s."""
@@ -27,7 +27,7 @@ PATH_SAMPLES = 16
 """Samples of a way, so that it is longer than the noise of its ends."""
 
 
-class ClockWatch:
+class ClockMonitor:
     """Takes samples in the order in which they come."""
 
     def __init__(self) -> None:
@@ -61,7 +61,7 @@ class ClockWatch:
             yield Suspicion("unit", "time", sum(units), TIME_UNITS[unit], words)
 
     def _start_anew(self) -> None:
-        self._rivals = Rivals((0.0,) * len(TIME_UNITS))
+        self._rivals = CompetingExplanations((0.0,) * len(TIME_UNITS))
         self._place: Array | None = None
         self._velocity, self._way, self._samples = np.zeros(2), np.zeros(2), 0
 

@@ -5,10 +5,10 @@ from dataclasses import replace
 import pytest
 
 from estimation.health import Health
-from estimation.online.clock_watch import TIME_UNITS
+from estimation.online.clock_monitor import TIME_UNITS
 from estimation.whole_log.replay import replay
 
-from .test_sensor_watch import GUESS, KINDS, run
+from .test_sensor_monitor import GUESS, KINDS, run
 
 ONLINE = pytest.mark.parametrize("which", KINDS)
 
@@ -42,7 +42,7 @@ def test_without_velocities_nothing_is_ok(which):
 def test_samples_that_really_are_far_apart_are_only_stale(which):
     """Every 1.5 s."""
     from ..runs import simulate
-    from .test_sensor_watch import PLANT
+    from .test_sensor_monitor import PLANT
 
     log = simulate(PLANT, 3, duration=120.0, noise=(0.0004, 0.005, 0.3))[0]
     rows = slice(None, None, 150)

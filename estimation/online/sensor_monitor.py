@@ -24,18 +24,18 @@ from ..prior import Prior
 from ..sensor_check.evidence import probabilities
 from ..sensor_check.suspicion import SURE, Suspicion
 from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
-from .axle_watch import AxleWatch
-from .powers import Powers
-from .rivals import (
+from .axle_monitor import AxleMonitor
+from .competing_explanations import (
     BLOCK_FORGETTING_FACTOR,
     MAX_SOUND_RESIDUAL_FRACTION,
     MAX_UNEXPLAINED_FRACTION,
     MIN_EVIDENCE_ROWS,
-    Rivals,
+    CompetingExplanations,
 )
-from .watched_block import FULL_TURN, HEADING_FACTORS, Block, poses_of, velocities_of, wrapped, wrenches_of
+from .power_balance import PowerBalance
+from .sensor_block import FULL_TURN, HEADING_FACTORS, SensorBlock, poses_of, velocities_of, wrapped, wrenches_of
 
-WATCH_BLOCK_DURATION = 0.25
+SENSOR_BLOCK_DURATION = 0.25
 """s, of a block."""
 MAX_BLOCK_SAMPLES = 64
 """Samples of a block that are looked at."""
@@ -64,7 +64,7 @@ NOISE_AVERAGING_BLOCKS, MIN_NOISE_BLOCKS, MIN_NOISE_RATIO = 16.0, 6.0, 1.5
 """Blocks over which noise is averaged, and how few tell of it; the factor of its deviation from which it counts."""
 
 
-class SensorWatch:
+class SensorMonitor:
     """Looks at the samples of each block, from the time when it is `due` on, by one piece in a call."""
 
     def __init__(
@@ -79,10 +79,10 @@ class SensorWatch:
         self._contacts: dict[str, Array] = {}
         self.due, self._begun = -math.inf, -math.inf
         self._work: Iterator[None] | None = None
-        self._blocks: tuple[Block, ...] = ()
-        self._sideways = self._turning = Rivals((0.0,) * len(HEADING_FACTORS))
-        self._first_heading, self._axle = math.nan, AxleWatch()
-        self._lengths, self._fast = Rivals((0.0,) * len(LENGTH_UNITS)), Rivals((0.0,))
+        self._blocks: tuple[SensorBlock, ...] = ()
+        self._sideways = self._turning = CompetingExplanations((0.0,) * len(HEADING_FACTORS))
+        self._first_heading, self._axle = math.nan, AxleMonitor()
+        self._lengths, self._fast = CompetingExplanations((0.0,) * len(LENGTH_UNITS)), CompetingExplanations((0.0,))
         self._products, self._rows = np.zeros((2, 2)), 0.0
         self._sure, self._noise_blocks = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
@@ -102,7 +102,7 @@ class SensorWatch:
                 if not at_once:
                     break
             else:
-                self._work, self.due = None, self._begun + WATCH_BLOCK_DURATION
+                self._work, self.due = None, self._begun + SENSOR_BLOCK_DURATION
         return self.noise_factors is not before
 
     # --- a block ---------------------------------------------------------------------------------------------
@@ -123,12 +123,12 @@ class SensorWatch:
             self._contacts.update(measurement.contacts)
         if self._takes_all:
             self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in few for arm in m.wrenches]]))
-        block = Block(*moved, velocity, wrenches_of(few, self._contacts, self._arms, self._yaws), noise)
+        block = SensorBlock(*moved, velocity, wrenches_of(few, self._contacts, self._arms, self._yaws), noise)
         if math.isnan(self._first_heading):
             self._first_heading = block.headings[0]
         if (
             self._blocks
-            and not 0.5 * WATCH_BLOCK_DURATION < block.time - self._blocks[-1].time < 2.0 * WATCH_BLOCK_DURATION
+            and not 0.5 * SENSOR_BLOCK_DURATION < block.time - self._blocks[-1].time < 2.0 * SENSOR_BLOCK_DURATION
         ):
             self._blocks = ()
         blocks = self._blocks = (*self._blocks[-2:], block)
@@ -148,7 +148,7 @@ class SensorWatch:
         if blocks >= MIN_NOISE_BLOCKS and (max(linear, yaw) > MIN_NOISE_RATIO**2 or self.noise_factors.max() > 1.0):
             self.noise_factors = np.array([one if one > MIN_NOISE_RATIO**2 else 1.0 for one in (linear, yaw)])
 
-    def _compare_motion(self, first: Block, last: Block) -> None:
+    def _compare_motion(self, first: SensorBlock, last: SensorBlock) -> None:
         """Poses against the way that wheels roll, and against velocities."""
         span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
         turns = [wrapped(new - old) for old, new in zip(first.headings, last.headings, strict=True)]
@@ -170,7 +170,7 @@ class SensorWatch:
         off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTH_UNITS.values()]
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
-    def _compare_power(self, blocks: tuple[Block, ...]) -> None:
+    def _compare_power(self, blocks: tuple[SensorBlock, ...]) -> None:
         """Adds products of the power of each arm's recorded wrench and that which inertia and friction of the first
         guess take on the same way."""
         first, middle, last = blocks
@@ -248,16 +248,18 @@ class SensorWatch:
     def _of_wrenches(self) -> Iterator[Suspicion]:
         """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of
         theirs, whatever the sizes; the sizes tell of the unit."""
-        powers = Powers.of(self._products)
+        powers = PowerBalance.of(self._products)
         guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
         if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
             return
         arms = self._arms[: len(self._products) - 2]
         shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
         if len(arms) > 1:
-            shares += [Powers.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
+            shares += [PowerBalance.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
         odds = np.array([1.0, *[COMMON_ODDS] * (len(shares) - 1)])
-        _, *wrong = probabilities(np.array(Rivals(tuple(shares), 1.0, self._rows).evidence), odds).tolist()
+        _, *wrong = probabilities(
+            np.array(CompetingExplanations(tuple(shares), 1.0, self._rows).evidence), odds
+        ).tolist()
         if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
             where = ("wrench", *arms)[wrong.index(max(wrong))]
             words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
@@ -275,7 +277,7 @@ class SensorWatch:
             words = f"wrenches are {size}: they seem to be in {name}, not N"
             yield Suspicion("unit", "wrench", sum(units), FORCE_UNITS[name], words)
 
-    def _logs_of_units(self, powers: Powers, sign: float) -> list[float]:
+    def _logs_of_units(self, powers: PowerBalance, sign: float) -> list[float]:
         """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
         (moved, moved_by), (rubbed, rubbed_by) = powers.shares(sign, self._rows)
         of_mass = self._spread**2 + MIN_MASS_LOG_STD**2
@@ -298,7 +300,7 @@ class SensorWatch:
                 yield Suspicion("noise", where, 1.0, times, words)
 
 
-def _twist(first: Block, last: Block) -> tuple[float, float, float]:
+def _twist(first: SensorBlock, last: SensorBlock) -> tuple[float, float, float]:
     """(u, w, r) of {b}, from poses alone."""
     span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
     turned = wrapped(last.headings[0] - first.headings[0])

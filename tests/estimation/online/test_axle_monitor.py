@@ -3,7 +3,7 @@
 import numpy as np
 import pytest
 
-from estimation.online.axle_watch import AxleWatch
+from estimation.online.axle_monitor import AxleMonitor
 
 BLOCKS, WAY = 40, 0.12
 
@@ -14,7 +14,7 @@ def watched(seed, off=0.0, turning=0.0, noise=1e-4):
     random = np.random.default_rng(seed)
     true = turning * np.sin(0.3 * np.arange(BLOCKS + 1))
     heading = true + noise * random.standard_normal(BLOCKS + 1)
-    watch, found = AxleWatch(), []
+    watch, found = AxleMonitor(), []
     for k in range(BLOCKS):
         turn = heading[k + 1] - heading[k]
         wrong = (heading[k] + heading[k + 1] - true[k] - true[k + 1]) / 2

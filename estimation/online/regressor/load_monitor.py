@@ -1,4 +1,4 @@
-"""Whether the load may have changed: two tests over the last rows, which begin a trial (`trial.py`).
+"""Whether the load may have changed: two tests over the last rows, which open hypotheses (`load_hypotheses.py`).
 
 A chi-squared test sees whatever fits badly, at once. A load that is put on pulls many rows the same way, each by
 little: for every moment of the last seconds, the evidence that the parameters changed then by a load is
@@ -17,9 +17,9 @@ from ..kernels import belief as kernels
 from ..kernels.sensor_health import MAX_OUTLIER_FRACTION
 from ..resets import Resets
 from ..whiteness import Whiteness
+from .load_hypotheses import LoadHypotheses
 from .regression_belief import ROW_GATE, Innovation
-from .trial import Trial
-from .wrench_loudness import WrenchLoudness
+from .wrench_noise_scale import WrenchNoiseScale
 
 CHI2_TEST_ROWS = 10
 """Rows of the chi-squared test: a second."""
@@ -28,8 +28,8 @@ FALSE_ALARM_PROBABILITY, FALSE_LOAD_PROBABILITY = 1e-3, 1e-2
 CHANGE_WINDOW_ROWS = 60
 """Rows over which a change is looked for."""
 NOISE_SETTLING_ROWS = 20
-"""Rows by which it is known how loud the noise is. In fewer a load must be as much likelier than louder noise; else
-deviations are told as if noise were as loud as it seems."""
+"""Rows by which the noise scale is known. In fewer a load must be as much likelier than more noise; else deviations are
+reported as if there were as much noise as it seems."""
 OUTLIER_ROW_WEIGHT = 0.1
 MISFIT_WINDOW_ROWS, MAX_MISFIT_FRACTION = 200, 0.15
 """Rows over which is counted how many a push is said to have been in, or are outliers, and the share of them beyond
@@ -38,9 +38,9 @@ RECOVERY_ROWS = 5
 """Rows in a row after which a model that did not fit does again."""
 
 
-class LoadWatch:
-    """Sums normalised squares of rows with n components. When they are too large a trial begins; when loads or pushes
-    come of that too often, it is the model that does not fit."""
+class LoadMonitor:
+    """Sums normalised squares of rows with n components. When they are too large hypotheses are opened; when loads or
+    pushes come of that too often, it is the model that does not fit."""
 
     def __init__(self, n: int, free: int) -> None:
         from scipy.special import gammainccinv
@@ -54,12 +54,12 @@ class LoadWatch:
         self._outliers = 0.0
         self._odd = 0.0  # share of the last rows
         self._unfit: int | None = None  # how many rows have fitted since what did not end
-        self._is_tried = False  # whether a load or a push is told, though not yet for good
+        self._is_change_reported = False  # whether a load or a push is told, though not yet for good
         self._white = Whiteness()
         self._unsure = 1.0
         self.ratio, self.health = 0.0, Health.OK
 
-    def note(self, time: float, innovation: Innovation, root: Array, loudness: WrenchLoudness) -> bool:
+    def note(self, time: float, innovation: Innovation, root: Array, noise_scale: WrenchNoiseScale) -> bool:
         """Whether a load has to be thought of now; `root @ rootᵀ`, of (f, m), is the covariance of what a load
         changes."""
         self.follow(time, innovation)
@@ -67,22 +67,22 @@ class LoadWatch:
         self._seen += 1
         self._squares = (*self._squares, min(innovation.square, ROW_GATE * self._n))[-CHI2_TEST_ROWS:]
         may = self._resets.are_allowed and self._fits
-        is_suspected = may and not self._rows_fit(root, loudness)
+        is_suspected = may and not self._rows_fit(root, noise_scale)
         if is_suspected:
             self._begin_anew()
         return is_suspected
 
-    def _rows_fit(self, root: Array, loudness: WrenchLoudness) -> bool:
+    def _rows_fit(self, root: Array, noise_scale: WrenchNoiseScale) -> bool:
         """Whether the last rows are as they should be."""
         by_load, is_settled = self._evidence(root) + np.log(FALSE_LOAD_PROBABILITY), self._seen >= NOISE_SETTLING_ROWS
-        self._unsure = 1.0 if is_settled or by_load < 0.0 else loudness.excess
+        self._unsure = 1.0 if is_settled or by_load < 0.0 else noise_scale.excess
         if is_settled:
             return bool(sum(self._squares) < self._limit and by_load < 0.0)
-        return bool(by_load < loudness.gain)
+        return bool(by_load < noise_scale.gain)
 
-    def hear_of_load(self, time: float) -> None:
+    def note_load_change(self, time: float) -> None:
         """Somebody else found another load."""
-        self._resets, self._is_tried, self._unfit = self._resets.one_more(time, is_load=True), False, None
+        self._resets, self._is_change_reported, self._unfit = self._resets.one_more(time, is_load=True), False, None
         self._begin_anew()
         self._say()
 
@@ -91,14 +91,14 @@ class LoadWatch:
         self._squares = ()
         self._since = _nothing(self._free)
 
-    def settle(self, time: float, trial: Trial) -> None:
+    def settle(self, time: float, hypotheses: LoadHypotheses) -> None:
         """How far a load that was thought of is told. Whatever surprised speaks against the model, but for another
         floor. Of a push that does not end nothing more is thought until rows fit again."""
-        self._is_tried = trial.is_told and not trial.is_over
-        if trial.is_over:
-            self._unfit = 0 if trial.is_endless else None
-        if trial.is_over and not trial.is_on_another_floor:
-            self._resets = self._resets.one_more(time, is_load=trial.is_loaded)
+        self._is_change_reported = hypotheses.is_reported and not hypotheses.is_over
+        if hypotheses.is_over:
+            self._unfit = 0 if hypotheses.is_endless else None
+        if hypotheses.is_over and not hypotheses.is_on_another_floor:
+            self._resets = self._resets.one_more(time, is_load=hypotheses.is_loaded)
         self._say()
 
     def follow(self, time: float, innovation: Innovation, *, is_pushed: bool = False) -> None:
@@ -128,7 +128,7 @@ class LoadWatch:
         """Sets the health: the first that holds."""
         if not self._fits or self._resets.are_too_many or self._white.is_coloured:
             self.health = Health.INCONSISTENT
-        elif self._is_tried or self._resets.has_new_load:
+        elif self._is_change_reported or self._resets.has_new_load:
             self.health = Health.LOAD_CHANGED
         else:
             self.health = Health.OUTLIERS if self._outliers > MAX_OUTLIER_FRACTION else Health.OK

@@ -21,7 +21,7 @@ HANDLE_LEVER = 0.3
 
 
 @dataclass(frozen=True)
-class TeachingMotion:
+class ExcitingMotion:
     """`says` what to do; (u, w, r) in {b} over time (n, 3)."""
 
     says: str
@@ -47,12 +47,12 @@ class TeachingMotion:
         return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * MOTION_SAMPLE_PERIOD
 
 
-def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning: ArrayLike = 0.0) -> TeachingMotion:
+def _motion(says: str, forward: ArrayLike = 0.0, aside: ArrayLike = 0.0, turning: ArrayLike = 0.0) -> ExcitingMotion:
     time = np.arange(0.0, MOTION_DURATION, MOTION_SAMPLE_PERIOD)
-    return TeachingMotion(says, np.stack([np.broadcast_to(part, time.shape) for part in (forward, aside, turning)], -1))
+    return ExcitingMotion(says, np.stack([np.broadcast_to(part, time.shape) for part in (forward, aside, turning)], -1))
 
 
-def teaching_motions() -> tuple[TeachingMotion, ...]:
+def exciting_motions() -> tuple[ExcitingMotion, ...]:
     """The motions, the simplest first."""
     time = np.arange(0.0, MOTION_DURATION, MOTION_SAMPLE_PERIOD)
     wave, other = np.sin(2 * np.pi * time / 3.0), np.sin(2 * np.pi * time / 4.4)
@@ -83,7 +83,7 @@ def remedy(estimate: Estimate, free: np.ndarray, direction: Array, noise: Wrench
     cart, v, part = estimate.cart(), direction[free], np.ix_(free, free)
     known = np.linalg.inv(estimate.covariance[part])
     best, least = None, 0.5 * float(v @ np.linalg.solve(known, v))
-    for motion in teaching_motions():
+    for motion in exciting_motions():
         after = float(v @ np.linalg.solve(known + motion.information(cart, noise)[part], v))
         if after < MAX_REMAINING_VARIANCE_RATIO * least:
             best, least = motion.says, after

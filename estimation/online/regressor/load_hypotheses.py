@@ -33,7 +33,7 @@ PUSH_STEP_STD_RATIO = 0.25
 """Standard deviation of a push's change from row to row, as a share of its usual size."""
 
 
-class Taken(NamedTuple):
+class LearnedRow(NamedTuple):
     """A row worked out around parameters (p,), and what was believed before it."""
 
     before: RegressionBelief
@@ -41,7 +41,7 @@ class Taken(NamedTuple):
     at: Array
 
 
-class Pushed(NamedTuple):
+class PushHypothesis(NamedTuple):
     """What is believed if there is nothing but a push: of a force (n,) in the last row in which it acted, `rows` ago;
     and by how much it is likelier than nothing in all of them (a logarithm)."""
 
@@ -50,7 +50,7 @@ class Pushed(NamedTuple):
     rows: int = 1
     evidence: float = 0.0
 
-    def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[Pushed, float, Innovation]:
+    def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[PushHypothesis, float, Innovation]:
         """The belief after a row, the row's log-likelihood, and its innovation. Nothing is learned from a row in which
         a push is likelier."""
         belief, gain = self.belief.copy(), 1.0 - row.fade
@@ -65,23 +65,23 @@ class Pushed(NamedTuple):
         belief = self.belief.copy()
         belief.drop_link()
         gained = self.evidence + beside - without
-        return Pushed(belief, innovation.in_own[0] / gain, 0, gained), beside, innovation
+        return PushHypothesis(belief, innovation.in_own[0] / gain, 0, gained), beside, innovation
 
 
-class Changed(NamedTuple):
+class ChangeHypothesis(NamedTuple):
     """What is believed if the load, or the floor, is another; and the logarithm of its odds against a push."""
 
     belief: RegressionBelief
     is_load: bool
     odds: float = 0.0
 
-    def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[Changed, Innovation]:
+    def and_then(self, row: FilteredRow, at: Array, of_push: float) -> tuple[ChangeHypothesis, Innovation]:
         """The belief after a row, which has the log-likelihood `of_push` under a push, and the row's innovation."""
         belief = self.belief.copy()
         innovation = belief.update(row, at)
         return self._replace(belief=belief, odds=self.odds + innovation.quasi_log_likelihood() - of_push), innovation
 
-    def without_link(self) -> Changed:
+    def without_link(self) -> ChangeHypothesis:
         """The belief after a row that tells nothing of the change."""
         belief = self.belief.copy()
         belief.drop_link()
@@ -90,25 +90,25 @@ class Changed(NamedTuple):
 
 # Many methods: questions to the same few probabilities, of three lines each, as its callers ask them.
 @dataclass(frozen=True)
-class Trial:
+class LoadHypotheses:
     """All beliefs, and the innovation of the last row under the likeliest; how many rows there were, blocks in which
     the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual
     pushes."""
 
-    pushed: Pushed
-    changed: tuple[Changed, ...]
+    pushed: PushHypothesis
+    changed: tuple[ChangeHypothesis, ...]
     usual: Array
     innovation: Innovation
     rows: int = 0
     still: int = 0
     without: int = 0
 
-    def with_row(self, row: FilteredRow, at: Array) -> TrialRow:
-        """The way to a trial with one more row."""
-        return TrialRow(self, row, at)
+    def with_row(self, row: FilteredRow, at: Array) -> HypothesesUpdate:
+        """The way to these hypotheses after one more row."""
+        return HypothesesUpdate(self, row, at)
 
-    def without_link(self, *, is_still: bool) -> Trial:
-        """The trial after a block that brought no row, since the cart stood still or for another reason."""
+    def without_link(self, *, is_still: bool) -> LoadHypotheses:
+        """The hypotheses after a block that brought no row, since the cart stood still or for another reason."""
         pushed = self.pushed.belief.copy()
         pushed.drop_link()
         return replace(
@@ -171,7 +171,7 @@ class Trial:
         return self.pushed.evidence > DECISION_NATS
 
     @property
-    def is_told(self) -> bool:
+    def is_reported(self) -> bool:
         """Whether a load is, or a push that is not long gone, if only as long as nothing else comes."""
         return self.is_loaded or (self.has_push and self.without < MIN_LOAD_BLOCKS)
 
@@ -209,17 +209,17 @@ class Trial:
         return int(np.argmax(np.where(loads, -1.0, self._shares)))
 
 
-class TrialRow(NamedTuple):
-    """A row around parameters (p,) that one belief of a trial takes in after the other: first the one of a push, with
+class HypothesesUpdate(NamedTuple):
+    """A row around parameters (p,) that one belief of several takes in after the other: first the one of a push, with
     its log-likelihood and innovation, then those of changes, with theirs."""
 
-    before: Trial
+    before: LoadHypotheses
     row: FilteredRow
     at: Array
-    pushed: tuple[Pushed, float, Innovation] | None = None
-    changed: tuple[tuple[Changed, Innovation], ...] = ()
+    pushed: tuple[PushHypothesis, float, Innovation] | None = None
+    changed: tuple[tuple[ChangeHypothesis, Innovation], ...] = ()
 
-    def go_on(self) -> TrialRow:
+    def go_on(self) -> HypothesesUpdate:
         """With one belief more."""
         before = self.before
         if self.pushed is None:
@@ -228,8 +228,8 @@ class TrialRow(NamedTuple):
         return self._replace(changed=(*self.changed, after))
 
     @property
-    def trial(self) -> Trial | None:
-        """The trial after the row; None while a belief is left."""
+    def hypotheses(self) -> LoadHypotheses | None:
+        """The hypotheses after the row; None while a belief is left."""
         before = self.before
         if self.pushed is None:
             return None
@@ -246,38 +246,38 @@ class TrialRow(NamedTuple):
 
 
 @dataclass(frozen=True)
-class Beginning:
-    """The way to a trial over the last rows, of which some are `left`: from the first in which a push is likely on all
-    beliefs take them in. It was at a `time` (s) that one was needed. Loads and floors have covariances (f, f). There is
-    no belief of another floor where nothing goes with the weight."""
+class HypothesesStart:
+    """The way to hypotheses over the last rows, of which some are `left`: from the first in which a push is likely on
+    all beliefs take them in. It was at a `time` (s) that one was needed. Loads and floors have covariances (f, f).
+    There is no belief of another floor where nothing goes with the weight."""
 
     time: float
-    pushed: Pushed
-    left: tuple[Taken, ...]
+    pushed: PushHypothesis
+    left: tuple[LearnedRow, ...]
     load: Array
     floor: Array
     usual: Array
-    trial: Trial | None = None
-    row: TrialRow | None = None
+    hypotheses: LoadHypotheses | None = None
+    row: HypothesesUpdate | None = None
 
     @classmethod
-    def of(cls, time: float, taken: Sequence[Taken], load: Array, floor: Array, usual: Array) -> Beginning:
-        return cls(time, Pushed(taken[0].before.copy(), np.zeros(len(usual))), tuple(taken), load, floor, usual)
+    def of(cls, time: float, taken: Sequence[LearnedRow], load: Array, floor: Array, usual: Array) -> HypothesesStart:
+        return cls(time, PushHypothesis(taken[0].before.copy(), np.zeros(len(usual))), tuple(taken), load, floor, usual)
 
-    def go_on(self) -> Beginning:
+    def go_on(self) -> HypothesesStart:
         """With one more row, or with one more belief after it."""
         one, *later = self.left
-        if self.trial is not None:
-            row = (self.row or self.trial.with_row(one.row, one.at)).go_on()
-            if row.trial is None:
+        if self.hypotheses is not None:
+            row = (self.row or self.hypotheses.with_row(one.row, one.at)).go_on()
+            if row.hypotheses is None:
                 return replace(self, row=row)
-            return replace(self, left=tuple(later), trial=row.trial, row=None)
+            return replace(self, left=tuple(later), hypotheses=row.hypotheses, row=None)
         following, _, innovation = self.pushed.and_then(one.row, one.at, self.usual)
         if following.rows > 0 and later:
             return replace(self, pushed=following, left=tuple(later))
         changed = []
         for added, is_load in ((self.load, True), (self.floor, False)):
             if added.any():
-                changed.append(Changed(self.pushed.belief.copy(), is_load))
+                changed.append(ChangeHypothesis(self.pushed.belief.copy(), is_load))
                 changed[-1].belief.open(added)
-        return replace(self, trial=Trial(self.pushed, tuple(changed), self.usual, innovation))
+        return replace(self, hypotheses=LoadHypotheses(self.pushed, tuple(changed), self.usual, innovation))
