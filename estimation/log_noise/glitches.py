@@ -15,30 +15,32 @@ from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
 from .marks import without_marks
-from .outliers import ROWS, outlying
-from .resolution import ROUNDING, resolution
+from .outliers import MEDIAN_WINDOW_ROWS, outlying
+from .resolution import ROUNDING_STD, resolution
 
-FAR = 20.0
+GLITCH_SIGMAS = 20.0
 """Times the noise."""
-MOST = 0.02
+MAX_GLITCH_FRACTION = 0.02
 """Largest share of the rows that are glitches: what happens more often is no accident."""
 
 
-def without_glitches(log: RunLog, far: float = FAR) -> RunLog:
+def without_glitches(log: RunLog, far: float = GLITCH_SIGMAS) -> RunLog:
     """The log, with glitches as missing samples: what is `far` times the noise from its neighbours."""
     log = without_marks(log)
     heading = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
-    arms = {name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, FAR)) for name, arm in log.arms.items()}
+    arms = {
+        name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, GLITCH_SIGMAS)) for name, arm in log.arms.items()
+    }
     velocity = None if log.velocity is None else _without(log.velocity, log.velocity, far)
     return replace(log, pose=_without(log.pose, heading, far), velocity=velocity, arms=arms)
 
 
 def _without(rows: Array, smooth: Array, far: float) -> Array:
     """Rows (n, k), NaN where `smooth` (n, k) has a glitch in any column."""
-    if len(rows) <= ROWS:
+    if len(rows) <= MEDIAN_WINDOW_ROWS:
         return rows
     there = np.any([_glitches(column, far) for column in smooth.T], axis=0)
-    if not there.any() or there.mean() > MOST:
+    if not there.any() or there.mean() > MAX_GLITCH_FRACTION:
         return rows
     return np.where(there[:, None], np.nan, rows)
 
@@ -46,5 +48,5 @@ def _without(rows: Array, smooth: Array, far: float) -> Array:
 def _glitches(column: Array, far: float) -> np.ndarray:
     """Where (n,) a value is far from those around it."""
     values = column[np.isfinite(column)]
-    noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > ROWS else 0.0
-    return outlying(column, far * max(noise, resolution(values) * ROUNDING))
+    noise = float(np.median(np.abs(np.diff(values, 2)))) / 1.65 if len(values) > MEDIAN_WINDOW_ROWS else 0.0
+    return outlying(column, far * max(noise, resolution(values) * ROUNDING_STD))

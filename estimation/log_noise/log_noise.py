@@ -17,14 +17,14 @@ from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
 from .disagreement import velocity_noise
-from .resolution import ROUNDING, resolution
+from .resolution import ROUNDING_STD, resolution
 from .velocity_colour import loudness
 
-LEAST_POSITION, LEAST_VELOCITY, LEAST_FORCE, LEAST_MOMENT = 2e-6, 1e-4, 0.01, 0.001
-DISTURBANCE_SHARE = 0.01
-NOISE_OF_DIFFERENCES = 20**0.5
+MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, MIN_FORCE_NOISE, MIN_MOMENT_NOISE = 2e-6, 1e-4, 0.01, 0.001
+DISTURBANCE_FRACTION = 0.01
+THIRD_DIFFERENCE_GAIN = 20**0.5
 MAD_TO_STD = 1.4826
-FEWEST = 8
+MIN_NOISE_SAMPLES = 8
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -39,11 +39,11 @@ def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
 def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
     usual, places = FilterNoise(), (*log.pose[:, :2].T, unwrapped(log.pose[:, 2]))
     position, heading = pose_noise(log.pose, (usual.position, usual.heading))
-    linear = yaw = LEAST_VELOCITY
+    linear = yaw = MIN_VELOCITY_NOISE
     if log.velocity is not None:
         along = (white_noise(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
-        linear = max(*along, LEAST_VELOCITY)
-        yaw = max(white_noise(log.velocity[:, 2], usual.yaw_rate), LEAST_VELOCITY)
+        linear = max(*along, MIN_VELOCITY_NOISE)
+        yaw = max(white_noise(log.velocity[:, 2], usual.yaw_rate), MIN_VELOCITY_NOISE)
         remembers = _loudness(log, cart)
         x, y, yaw = (
             velocity_noise(log.time, place, velocity, (of_place, remembers * own))
@@ -53,8 +53,8 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         )
         linear = max(x, y)
     wrenches = [arm.wrench for arm in log.arms.values()]
-    force = max([LEAST_FORCE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
-    moment = max([LEAST_MOMENT, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
+    force = max([MIN_FORCE_NOISE, *(noise_floor(w[:, i], usual.force) for w in wrenches for i in (0, 1))])
+    moment = max([MIN_MOMENT_NOISE, *(noise_floor(w[:, 5], usual.moment) for w in wrenches)])
     return FilterNoise(
         position=position,
         heading=heading,
@@ -62,7 +62,7 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         yaw_rate=yaw,
         force=force,
         moment=moment,
-        disturbance=max(DISTURBANCE_SHARE * _force_size(log, cart), 0.01),
+        disturbance=max(DISTURBANCE_FRACTION * _force_size(log, cart), 0.01),
     )
 
 
@@ -70,22 +70,22 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
     """Standard deviation of the white noise on a channel, from its third differences; the `usual` one where
     there are too few samples to tell."""
     present = channel[np.isfinite(channel)]
-    if len(present) < FEWEST:
+    if len(present) < MIN_NOISE_SAMPLES:
         return usual
-    return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / NOISE_OF_DIFFERENCES)
+    return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / THIRD_DIFFERENCE_GAIN)
 
 
 def white_noise(channel: Array, usual: float = 0.0) -> float:
     """Standard deviation of the white noise on a channel that does not jump, such as a motion. Where the channel comes
     in steps, it is at least that of rounding."""
-    return max(noise_floor(channel, usual), resolution(channel) * ROUNDING)
+    return max(noise_floor(channel, usual), resolution(channel) * ROUNDING_STD)
 
 
 def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[float, float]:
     """White noise of positions (m) and headings (rad) of poses (n, 3)."""
     x, y, heading = *pose[:, :2].T, unwrapped(pose[:, 2])
-    position = max(white_noise(x, usual[0]), white_noise(y, usual[0]), LEAST_POSITION)
-    return position, max(white_noise(heading, usual[1]), LEAST_POSITION)
+    position = max(white_noise(x, usual[0]), white_noise(y, usual[0]), MIN_POSITION_NOISE)
+    return position, max(white_noise(heading, usual[1]), MIN_POSITION_NOISE)
 
 
 def _loudness(log: RunLog, cart: CartModel) -> float:

@@ -13,25 +13,29 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import ArmLog, RunLog
 
-SIGNIFICANDS = (9.9, 9.99, 9.999, 9.9999, 9.99999, 3.2767, 3.2768, 6.5535, 2.147483647, 2.147483648)
+SENTINEL_SIGNIFICANDS = (9.9, 9.99, 9.999, 9.9999, 9.99999, 3.2767, 3.2768, 6.5535, 2.147483647, 2.147483648)
 """Significands of numbers that recorders write for no reading: all nines, and the largest whole numbers of two and four
 bytes."""
-BEYOND = 10.0
+MIN_SENTINEL_RATIO = 10.0
 """Times the span of all other values: no reading is so far from them."""
-SMALLEST = 1e-3
+MIN_SENTINEL_SIZE = 1e-3
 """SI: what is smaller is a reading, whatever its digits."""
-FEWEST = 20
+MIN_OTHER_VALUES = 20
 """Other values."""
 
 
 def marked(column: Array) -> np.ndarray:
     """Where (n,) values stand for no reading."""
     found, known = np.zeros(len(column), dtype=bool), np.isfinite(column)
-    while np.count_nonzero(others := known & ~found) > FEWEST:
+    while np.count_nonzero(others := known & ~found) > MIN_OTHER_VALUES:
         sizes = np.where(others, np.abs(column), 0.0)
         mark = float(sizes.max())
         rest = column[others & (sizes != mark)]
-        if not _is_mark(mark) or len(rest) < FEWEST or not mark - np.abs(rest).max() > BEYOND * np.ptp(rest):
+        if (
+            not _is_mark(mark)
+            or len(rest) < MIN_OTHER_VALUES
+            or not mark - np.abs(rest).max() > MIN_SENTINEL_RATIO * np.ptp(rest)
+        ):
             break
         found |= sizes == mark
     return found
@@ -51,6 +55,8 @@ def _without(rows: Array) -> Array:
 
 def _is_mark(size: float) -> bool:
     """Whether it is one of them, times a power of ten."""
-    if not size > SMALLEST:
+    if not size > MIN_SENTINEL_SIZE:
         return False
-    return bool(np.isclose(size / 10.0 ** math.floor(math.log10(size)), SIGNIFICANDS, rtol=1e-9, atol=0.0).any())
+    return bool(
+        np.isclose(size / 10.0 ** math.floor(math.log10(size)), SENTINEL_SIGNIFICANDS, rtol=1e-9, atol=0.0).any()
+    )

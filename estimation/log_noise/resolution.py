@@ -10,13 +10,13 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-TINY = 1e-12
+ROUND_OFF_TOLERANCE = 1e-12
 """Largest round-off, in units of the values."""
-USUAL = 0.75
+STEP_QUANTILE = 0.75
 """Quantile of the steps after a repetition that is called one: a few are parts of one, none is more."""
-FEWEST = 8
+MIN_REPETITIONS = 8
 """Repetitions that tell it."""
-ROUNDING = 12**-0.5
+ROUNDING_STD = 12**-0.5
 """Standard deviation of what is lost by rounding, in steps."""
 
 
@@ -24,8 +24,8 @@ def resolution(column: Array) -> float:
     """The resolution of values (n,), NaN where missing: the usual step after a repetition; where few repeat, the
     smallest of all; 0 where none differ."""
     steps = np.abs(np.diff(column[np.isfinite(column)]))
-    moved = steps > TINY
+    moved = steps > ROUND_OFF_TOLERANCE
     if not moved.any():
         return 0.0
     after = steps[1:][moved[1:] & ~moved[:-1]]
-    return float(np.quantile(after, USUAL) if len(after) >= FEWEST else steps[moved].min())
+    return float(np.quantile(after, STEP_QUANTILE) if len(after) >= MIN_REPETITIONS else steps[moved].min())

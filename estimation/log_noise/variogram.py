@@ -14,11 +14,11 @@ from scipy.optimize import nnls
 
 from cartgrasp.frames import Array
 
-LONGEST, FEWEST_LAGS, MOST_LAGS = 0.25, 8, 18
+MAX_VARIOGRAM_LAG, MIN_VARIOGRAM_LAGS, MAX_VARIOGRAM_LAGS = 0.25, 8, 18
 """The longest lag, s, and how many lags there are, at least and at most."""
-FEWEST = 200
+MIN_LAG_DIFFERENCES = 200
 """Differences."""
-MEDIAN_OF_SQUARE = 0.4549
+MEDIAN_OF_NORMAL_SQUARE = 0.4549
 """The median of the square of a standard normal number."""
 
 
@@ -35,13 +35,15 @@ class Variogram:
         """The variogram of a series (n,) by medians, from differences that begin at the rows `which` (n,). None where
         there are too few."""
         step = float(np.median(np.diff(time)))
-        lags = np.unique(np.round(np.geomspace(1, max(FEWEST_LAGS, LONGEST / step), MOST_LAGS)).astype(int))
+        lags = np.unique(
+            np.round(np.geomspace(1, max(MIN_VARIOGRAM_LAGS, MAX_VARIOGRAM_LAG / step), MAX_VARIOGRAM_LAGS)).astype(int)
+        )
         found = []
         for lag in lags:
             near = which[:-lag] & ((time[lag:] - time[:-lag]) < (lag + 0.5) * step)
-            if near.sum() < FEWEST:
+            if near.sum() < MIN_LAG_DIFFERENCES:
                 return None
-            found.append(float(np.median((series[lag:] - series[:-lag])[near] ** 2)) / MEDIAN_OF_SQUARE / 2)
+            found.append(float(np.median((series[lag:] - series[:-lag])[near] ** 2)) / MEDIAN_OF_NORMAL_SQUARE / 2)
         return cls(lags * step, np.array(found)) if min(found) > 0 else None
 
     def shares(self, other: Array) -> tuple[Array, float]:

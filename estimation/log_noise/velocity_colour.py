@@ -11,13 +11,13 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-from .variogram import FEWEST, Variogram, autoregression, in_means, in_third_differences
+from .variogram import MIN_LAG_DIFFERENCES, Variogram, autoregression, in_means, in_third_differences
 
-TIMES = np.geomspace(0.006, 0.12, 14)
+CORRELATION_TIMES = np.geomspace(0.006, 0.12, 14)
 """s: correlation times that are tried."""
-SLIPS = np.array([0.2, 0.4, 0.8])
+SLIP_TIMES = np.array([0.2, 0.4, 0.8])
 """s: for as long as this a cart that slips keeps its sideways speed."""
-MISFIT = 0.05
+MIN_MISFIT_INCREASE = 0.05
 """By how much worse what slips and white noise alone fit, in squares of the relative misfit summed over lags."""
 
 
@@ -25,13 +25,13 @@ def loudness(time: Array, sideways: Array) -> float:
     """How many times as loud white noise is that spoils long means of velocities as much, as white noise that makes
     the same third differences; from the axle's speeds across its wheels (n,), m/s. 1 where noise may as well be
     white."""
-    grown = Variogram.of(time, sideways, np.ones(len(time), dtype=bool)) if len(time) > FEWEST else None
+    grown = Variogram.of(time, sideways, np.ones(len(time), dtype=bool)) if len(time) > MIN_LAG_DIFFERENCES else None
     if grown is None:
         return 1.0
-    smooth = min(grown.shares(autoregression(grown.lag, one))[1] for one in SLIPS)
-    fits = [(*grown.shares(autoregression(grown.lag, one)), one) for one in TIMES]
+    smooth = min(grown.shares(autoregression(grown.lag, one))[1] for one in SLIP_TIMES)
+    fits = [(*grown.shares(autoregression(grown.lag, one)), one) for one in CORRELATION_TIMES]
     (white, slow, _), misfit, fade = min(fits, key=lambda fit: fit[1])
-    if smooth - misfit < MISFIT:
+    if smooth - misfit < MIN_MISFIT_INCREASE:
         return 1.0
     keep = float(np.exp(-np.median(np.diff(time)) / fade))
     return float(np.sqrt((white + slow * in_means(keep)) / (white + slow * in_third_differences(keep))))

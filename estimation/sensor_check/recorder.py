@@ -16,9 +16,9 @@ from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 
-from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, noise_floor
+from ..log_noise.log_noise import MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, noise_floor
 from ..log_noise.marks import marked
-from ..log_noise.resolution import ROUNDING
+from ..log_noise.resolution import ROUNDING_STD
 from .clipped_wrenches import clipped_arm
 from .frozen_wrenches import frozen_arm, without_frozen
 from .repeated_rows import local_change, repeats_fast
@@ -154,11 +154,11 @@ def frozen(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
 def quantised(log: RunLog) -> tuple[Suspicion, ...]:
     """Poses and velocities in coarse steps."""
     heading = unwrapped(log.pose[:, 2])
-    groups = [("pose", {"x": log.pose[:, 0], "y": log.pose[:, 1]}, "m", LEAST_POSITION)]
-    groups.append(("heading", {"theta": heading}, "rad", LEAST_POSITION))
+    groups = [("pose", {"x": log.pose[:, 0], "y": log.pose[:, 1]}, "m", MIN_POSITION_NOISE)]
+    groups.append(("heading", {"theta": heading}, "rad", MIN_POSITION_NOISE))
     if log.velocity is not None:
-        groups.append(("velocity", {"vx": log.velocity[:, 0], "vy": log.velocity[:, 1]}, "m/s", LEAST_VELOCITY))
-        groups.append(("yaw_rate", {"omega": log.velocity[:, 2]}, "rad/s", LEAST_VELOCITY))
+        groups.append(("velocity", {"vx": log.velocity[:, 0], "vy": log.velocity[:, 1]}, "m/s", MIN_VELOCITY_NOISE))
+        groups.append(("yaw_rate", {"omega": log.velocity[:, 2]}, "rad/s", MIN_VELOCITY_NOISE))
     told = []
     for where, columns, unit, least in groups:
         steps = {name: step for name, column in columns.items() if (step := coarse_step(column, least)) is not None}
@@ -166,7 +166,7 @@ def quantised(log: RunLog) -> tuple[Suspicion, ...]:
             step = max(steps.values())
             words = (
                 f"{' and '.join(steps)} in steps of {step:.3g} {unit}, which are most of their noise (standard "
-                f"deviation {step * ROUNDING:.2g} {unit}); record with finer steps if you can"
+                f"deviation {step * ROUNDING_STD:.2g} {unit}); record with finer steps if you can"
             )
             told.append(Suspicion("quantised", where, 0.99, step, words))
     return tuple(told)
@@ -175,7 +175,7 @@ def quantised(log: RunLog) -> tuple[Suspicion, ...]:
 def coarse_step(column: Array, least: float) -> float | None:
     """The step of a column (n,) where rounding is most of its noise, and more than the `least` that noise may be."""
     step = step_of(column)
-    if step is None or step * ROUNDING <= least or (step * ROUNDING) ** 2 < 0.5 * noise_floor(column) ** 2:
+    if step is None or step * ROUNDING_STD <= least or (step * ROUNDING_STD) ** 2 < 0.5 * noise_floor(column) ** 2:
         return None
     return step
 

@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from ..log_noise.marks import without_marks
-from ..log_noise.resolution import TINY, USUAL
+from ..log_noise.resolution import ROUND_OFF_TOLERANCE, STEP_QUANTILE
 from .clipped_wrenches import without_clipped
 from .frozen_wrenches import without_frozen
 
@@ -67,7 +67,7 @@ def without_again(rows: Array, time: Array) -> Array:
     rows around: a cart that starts does not leap."""
     there = np.flatnonzero(np.isfinite(rows).all(axis=1))
     steps = np.abs(np.diff(rows[there], axis=0))
-    moved = (steps > TINY).any(axis=1)
+    moved = (steps > ROUND_OFF_TOLERANCE).any(axis=1)
     if moved.all() or not moved.any():
         return rows
     new = np.flatnonzero(np.r_[True, moved])
@@ -75,11 +75,11 @@ def without_again(rows: Array, time: Array) -> Array:
     begin, after = new[first], new[first + 1]
     is_short = time[there[after]] - time[there[begin]] < LONGEST
     begin, after = begin[is_short], after[is_short]
-    resolution = np.min(np.where(steps > TINY, steps, np.inf), axis=0)
+    resolution = np.min(np.where(steps > ROUND_OFF_TOLERANCE, steps, np.inf), axis=0)
     change = local_change(rows[there], time[there])
     per_row = change * float(np.median(np.diff(time))) / (2 * AROUND)
     slowly = steps[after[change[begin] < SLOW * np.quantile(change, FAST)] - 1]
-    if len(slowly) and not _often(np.r_[False, ~moved], per_row > np.quantile(slowly, USUAL, axis=0).sum()):
+    if len(slowly) and not _often(np.r_[False, ~moved], per_row > np.quantile(slowly, STEP_QUANTILE, axis=0).sum()):
         resolution = np.maximum(resolution, slowly.max(axis=0))
     known, at = rows[there], time[there]
     before = np.abs(known[begin] - known[np.searchsorted(at, at[begin] - AROUND)])

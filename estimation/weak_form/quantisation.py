@@ -11,7 +11,7 @@ import numpy as np
 from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.logs import RunLog
 
-from ..log_noise.resolution import TINY, resolution
+from ..log_noise.resolution import ROUND_OFF_TOLERANCE, resolution
 
 WHOLE_STEP_TOLERANCE, MIN_WHOLE_STEP_FRACTION, MAX_COUNTED_STEPS = 0.1, 0.95, 5.0
 """How far a change may be from a whole number of steps, in steps; and the share of changes that are no farther. Changes
@@ -33,7 +33,7 @@ def between_steps(log: RunLog) -> RunLog:
 def _smoothed(time: Array, values: Array) -> Array:
     """Values (n,) within half a step of what was recorded; as they are where they come in no steps."""
     step = resolution(values)
-    last = np.flatnonzero(np.abs(np.diff(values)) > TINY)
+    last = np.flatnonzero(np.abs(np.diff(values)) > ROUND_OFF_TOLERANCE)
     if len(last) < 2 or not _in_steps(np.diff(values)[last], step):
         return values
     moments, places = (time[last] + time[last + 1]) / 2, (values[last] + values[last + 1]) / 2

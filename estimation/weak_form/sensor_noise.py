@@ -10,7 +10,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..log_noise.log_noise import LEAST_POSITION, LEAST_VELOCITY, pose_noise, white_noise
+from ..log_noise.log_noise import MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, pose_noise, white_noise
 from ..noise import FilterNoise
 
 AVERAGING_TIMES = (0.0, 0.02, 0.05)
@@ -33,16 +33,16 @@ class MotionNoise:
             return cls(pose, None)
         root_step = float(np.median(np.diff(log.time))) ** 0.5
         forward, left, yaw = (noise_density(log.time, column) / root_step for column in log.velocity.T)
-        linear = max(forward, left, LEAST_VELOCITY)
-        return cls(pose, np.array([linear, linear, max(yaw, LEAST_VELOCITY)]))
+        linear = max(forward, left, MIN_VELOCITY_NOISE)
+        return cls(pose, np.array([linear, linear, max(yaw, MIN_VELOCITY_NOISE)]))
 
     @classmethod
     def told(cls, noise: FilterNoise, log: RunLog) -> MotionNoise:
         """Noise of the log's sensors as somebody knows it."""
-        pose = np.maximum([noise.position, noise.position, noise.heading], LEAST_POSITION)
+        pose = np.maximum([noise.position, noise.position, noise.heading], MIN_POSITION_NOISE)
         if log.velocity is None or not np.isfinite(log.velocity).any():
             return cls(pose, None)
-        rate = np.maximum([noise.linear_velocity, noise.linear_velocity, noise.yaw_rate], LEAST_VELOCITY)
+        rate = np.maximum([noise.linear_velocity, noise.linear_velocity, noise.yaw_rate], MIN_VELOCITY_NOISE)
         return cls(pose, rate)
 
 

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from estimation.log_noise.disagreement import SPAN, velocity_noise
+from estimation.log_noise.disagreement import COMPARED_SPAN, velocity_noise
 
 PLACE, VELOCITY, STEP = 0.0005, 0.005, 0.01
 
@@ -27,8 +27,8 @@ def test_sensors_that_agree_are_as_quiet_as_they_are(seed):
 def test_one_that_tells_another_motion_is_as_noisy_as_the_ways_are_apart(wrong):
     """By the largest tenth of sines, which is that of normal numbers 0.85 times as large as their amplitude."""
     time, place, velocity = record(1, **wrong)
-    off = 0.8 * SPAN * (0.05 if "late" in wrong else abs(wrong["scale"] - 1.0))
-    expected = 0.6 * off / np.sqrt(STEP * SPAN)
+    off = 0.8 * COMPARED_SPAN * (0.05 if "late" in wrong else abs(wrong["scale"] - 1.0))
+    expected = 0.6 * off / np.sqrt(STEP * COMPARED_SPAN)
     assert velocity_noise(time, place, velocity, (PLACE, VELOCITY)) == pytest.approx(expected, rel=0.12)
 
 
