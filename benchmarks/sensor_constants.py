@@ -49,12 +49,24 @@ def stands(log: RunLog, _: CartModel) -> int:
 
 
 CASES: tuple[tuple[ModuleType, tuple[str, ...], Told, str], ...] = (
-    (frozen_wrenches, ("RARE", "MOST"), frozen, "wrenches frozen 3 times for 0.6 s"),
-    (clipped_wrenches, ("FEWEST", "OFTEN"), clipped, "fx clipped in a tenth of the rows"),
-    (jumps, ("AROUND", "FEWEST", "UNLIKE", "MOST", "HARDEST", "EVEN"), jumped, "poses jump 4 times by 3 cm"),
-    (heading_drift, ("SURE", "LEAST", "ROUNDS"), drifts, "theta drifts by 0.003 rad/s"),
-    (lengths, ("USUAL", "SPAN"), in_another_unit, "x and y in mm"),
-    (heading, ("STILL",), stands, "stands in noise"),
+    (frozen_wrenches, ("MAX_CHANCE_RUNS", "MAX_FROZEN_FRACTION"), frozen, "wrenches frozen 3 times for 0.6 s"),
+    (clipped_wrenches, ("MIN_CLIPPED_ROWS", "MIN_CLIPPED_COUNT_RATIO"), clipped, "fx clipped in a tenth of the rows"),
+    (
+        jumps,
+        (
+            "JUMP_LINE_INTERVAL",
+            "MIN_JUMP_LINE_ROWS",
+            "JUMP_MISS_RATIO",
+            "JUMP_STEP_RATIOS",
+            "HIT_SPEED_CHANGE",
+            "MAX_EVEN_SPAN_RATIO",
+        ),
+        jumped,
+        "poses jump 4 times by 3 cm",
+    ),
+    (heading_drift, ("DRIFT_SIGMAS", "MIN_DRIFT_ANGLE", "MAX_DRIFT_FITS"), drifts, "theta drifts by 0.003 rad/s"),
+    (lengths, ("USUAL_CART_SPEED", "SPEED_INTERVAL"), in_another_unit, "x and y in mm"),
+    (heading, ("MIN_MOTION_NOISE_RATIO",), stands, "stands in noise"),
 )
 
 

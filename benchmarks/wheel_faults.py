@@ -31,14 +31,14 @@ MASS, INERTIA, STEP = 24.0, 2.4, 0.01
 OFF = 0.15
 """How far (m) an axle is moved."""
 CONSTANTS: tuple[tuple[ModuleType, str, int | None], ...] = (
-    (axle, "NEAR", None),
-    (axle, "FAR", None),
-    (axle, "ELSEWHERE_ODDS", None),
-    (fixed_wheels, "ASIDE", None),
-    (fixed_wheels, "WRONG_ODDS", None),
-    (fixed_wheels, "ALIKE", 1),
-    (fixed_wheels, "UNLIKE", 0),
-    (fixed_wheels, "UNLIKE", 1),
+    (axle, "SOUND_AXLE_STD", None),
+    (axle, "WRONG_AXLE_STD", None),
+    (axle, "WRONG_AXLE_ODDS", None),
+    (fixed_wheels, "MAX_SIDESLIP_RATIO", None),
+    (fixed_wheels, "FIXED_WHEELS_ODDS", None),
+    (fixed_wheels, "FREE_CART_LOG_RATIO", 1),
+    (fixed_wheels, "FIXED_WHEELS_LOG_RATIO", 0),
+    (fixed_wheels, "FIXED_WHEELS_LOG_RATIO", 1),
 )
 """Module, name, and which number of several."""
 KINDS = ("sound", "no constraints", "axle off", "casters alone")

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from estimation.sensor_check import REFUSED, SURE, Look
+from estimation.sensor_check import REFUSAL_PROBABILITY, REFUSED_KINDS, Look
 
 from ..cart_file import load_cart
 from ..errors import UsageError, printable
@@ -73,7 +73,11 @@ def _print(look: Look) -> None:
         say("nothing is suspected of its sensors")
         return
     rows = [[one.kind, one.where, f"{one.probability:.2f}"] for one in look.suspicions]
-    print_table(f"suspicions (from {SURE:g} on {', '.join(REFUSED)} stop)", ["kind", "where", "probability"], rows)
+    print_table(
+        f"suspicions (from {REFUSAL_PROBABILITY:g} on {', '.join(REFUSED_KINDS)} stop)",
+        ["kind", "where", "probability"],
+        rows,
+    )
     for one in look.suspicions:
         say(one.words)
 

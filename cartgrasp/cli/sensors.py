@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estimation.sensor_check import KINDS, Look, Suspicion, check_sizes, look_at
+from estimation.sensor_check import SUSPICION_KINDS, Look, Suspicion, check_sizes, look_at
 
 from ..effects.effect import SensorEffect
 from ..errors import DataError, UsageError, printable
@@ -18,9 +18,9 @@ from .output import say
 
 
 def check_accepted(kinds: Iterable[str]) -> None:
-    unknown = sorted(set(kinds) - set(KINDS))
+    unknown = sorted(set(kinds) - set(SUSPICION_KINDS))
     if unknown:
-        raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(KINDS)}")
+        raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(SUSPICION_KINDS)}")
 
 
 def checked_log(log: RunLog, cart: CartModel | None) -> Look:

@@ -15,7 +15,7 @@ from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
 from ..sensor_check.evidence import probabilities
-from ..sensor_check.suspicion import SURE, Suspicion
+from ..sensor_check.suspicion import REFUSAL_PROBABILITY, Suspicion
 from ..sensor_check.wrench_readings import UNIT_ODDS
 from .competing_explanations import CompetingExplanations
 from .first_motion import MAX_TRACKING_GAP
@@ -52,7 +52,7 @@ class ClockMonitor:
             return
         odds = np.array([1.0, *[UNIT_ODDS] * (len(TIME_UNITS) - 1)])
         _, *units = probabilities(np.array(self._rivals.evidence), odds).tolist()
-        if sum(units) > SURE:
+        if sum(units) > REFUSAL_PROBABILITY:
             unit = list(TIME_UNITS)[1 + units.index(max(units))]
             words = (
                 f"samples come every {self._gap:.3g} s by their stamps, and poses move as in {self._gap:.3g} {unit}: "

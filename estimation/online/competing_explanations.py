@@ -6,7 +6,7 @@ import math
 from collections.abc import Sequence
 from typing import NamedTuple
 
-from ..sensor_check.evidence import UNEXPLAINED
+from ..sensor_check.evidence import UNEXPLAINED_FRACTION
 
 BLOCK_FORGETTING_FACTOR = 1.0 - 1.0 / 40.0
 """Share of the sums that is kept at each new block: 10 s of motion are remembered."""
@@ -41,4 +41,4 @@ class CompetingExplanations(NamedTuple):
         ):
             return [0.0] * len(self.left)
         rows = self.rows / ROWS_PER_INDEPENDENT_ROW
-        return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED**2) for left in self.left]
+        return [-0.5 * rows * math.log(left / self.whole + UNEXPLAINED_FRACTION**2) for left in self.left]

@@ -15,7 +15,7 @@ from cartgrasp.tracked_point import TrackedPoint
 
 from ..health import Health
 from ..parameter_report import qualified_by_health
-from ..sensor_check.suspicion import REFUSED, Suspicion
+from ..sensor_check.suspicion import REFUSED_KINDS, Suspicion
 from .arguments import EstimatorArguments, check_measurement
 from .clock_monitor import ClockMonitor
 from .frozen_wrenches import FrozenWrenches
@@ -111,7 +111,7 @@ class OnlineEstimator(ABC, Generic[C]):
 def qualified(estimate: Estimate, suspicions: tuple[Suspicion, ...]) -> Estimate:
     """With what is suspected: under a wrong sign or unit nothing was taught, and nothing is `ok`."""
     health = Health(estimate.health)
-    if any(one.kind in REFUSED for one in suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
+    if any(one.kind in REFUSED_KINDS for one in suspicions) and health not in (Health.STALE, Health.NO_WRENCH):
         health = Health.INCONSISTENT
     parameters = qualified_by_health(estimate.parameters, health)
     return estimate._replace(health=health, parameters=parameters, suspicions=suspicions)

@@ -22,8 +22,8 @@ from cartgrasp.rigid_body import mass_matrix_b
 from ..noise import FilterNoise
 from ..prior import Prior
 from ..sensor_check.evidence import probabilities
-from ..sensor_check.suspicion import SURE, Suspicion
-from ..sensor_check.wrench_readings import COMMON_ODDS, UNIT_ODDS
+from ..sensor_check.suspicion import REFUSAL_PROBABILITY, Suspicion
+from ..sensor_check.wrench_readings import COMMON_MOUNTING_ODDS, UNIT_ODDS
 from .axle_monitor import AxleMonitor
 from .competing_explanations import (
     BLOCK_FORGETTING_FACTOR,
@@ -206,14 +206,14 @@ class SensorMonitor:
                 found += self._of_wrenches()
         stay = {(one.kind, one.where) for one in self.suspicions}
         told = [
-            one for one in found if one.probability >= (RETAINED_PROBABILITY if (one.kind, one.where) in stay else SURE)
+            one for one in found if one.probability >= (RETAINED_PROBABILITY if (one.kind, one.where) in stay else REFUSAL_PROBABILITY)
         ]
         self.suspicions = (*told, *self._of_noise())
 
     def _of_headings(self) -> Iterator[Suspicion]:
         log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
         of_degrees = DEGREES_BEYOND_TURN_ODDS if self._may_be_degrees else UNIT_ODDS
-        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, of_degrees, COMMON_ODDS])).tolist()
+        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, of_degrees, COMMON_MOUNTING_ODDS])).tolist()
         if degrees > RETAINED_PROBABILITY:
             yield Suspicion("unit", "heading", degrees, HEADING_FACTORS[1], "headings are in degrees, not rad")
         if reversed_ > RETAINED_PROBABILITY:
@@ -228,7 +228,7 @@ class SensorMonitor:
         return abs(self._first_heading) > FULL_TURN and is_long and fits
 
     def _of_lengths(self) -> Iterator[Suspicion]:
-        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTH_UNITS) - 2), COMMON_ODDS])
+        odds = np.array([1.0, *[UNIT_ODDS] * (len(LENGTH_UNITS) - 2), COMMON_MOUNTING_ODDS])
         _, *units, reversed_ = probabilities(np.array(self._lengths.evidence), odds).tolist()
         if sum(units) > RETAINED_PROBABILITY:
             unit = list(LENGTH_UNITS)[1 + units.index(max(units))]
@@ -256,7 +256,7 @@ class SensorMonitor:
         shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
         if len(arms) > 1:
             shares += [PowerBalance.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
-        odds = np.array([1.0, *[COMMON_ODDS] * (len(shares) - 1)])
+        odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(
             np.array(CompetingExplanations(tuple(shares), 1.0, self._rows).evidence), odds
         ).tolist()
@@ -269,7 +269,7 @@ class SensorMonitor:
                 return
         scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
         sound, *units = probabilities(scales, np.array([1.0, *[FORCE_UNIT_ODDS] * (len(FORCE_UNITS) - 1)])).tolist()
-        self._sure = self._sure + 1 if sound < 1.0 - SURE else 0
+        self._sure = self._sure + 1 if sound < 1.0 - REFUSAL_PROBABILITY else 0
         stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
         if self._sure >= MIN_CONCLUSIONS_IN_A_ROW or (stays and sound < 1.0 - RETAINED_PROBABILITY):
             name = list(FORCE_UNITS)[1 + units.index(max(units))]

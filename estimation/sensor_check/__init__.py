@@ -10,13 +10,13 @@ if TYPE_CHECKING:
     from .check import Look, Sensors, check_sensors, look_at, put_right
     from .fixed_wheels import of_wheels
     from .sizes import check_sizes
-    from .suspicion import KINDS, REFUSED, SURE, Suspicion
+    from .suspicion import REFUSAL_PROBABILITY, REFUSED_KINDS, SUSPICION_KINDS, Suspicion
     from .wrenches import of_wrenches
 
 __all__ = [
-    "KINDS",
-    "REFUSED",
-    "SURE",
+    "REFUSAL_PROBABILITY",
+    "REFUSED_KINDS",
+    "SUSPICION_KINDS",
     "Look",
     "Sensors",
     "Suspicion",
@@ -32,7 +32,7 @@ _HOMES = {
     "check": "Look Sensors check_sensors look_at put_right",
     "fixed_wheels": "of_wheels",
     "sizes": "check_sizes",
-    "suspicion": "KINDS REFUSED SURE Suspicion",
+    "suspicion": "SUSPICION_KINDS REFUSED_KINDS REFUSAL_PROBABILITY Suspicion",
     "wrenches": "of_wrenches",
 }
 

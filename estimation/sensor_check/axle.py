@@ -5,9 +5,9 @@ from __future__ import annotations
 from .evidence import wider
 from .suspicion import Suspicion
 
-ASIDE = 0.05
+MAX_SIDESLIP_RATIO = 0.05
 """Largest share of its way by which a cart on fixed wheels seems to go sideways, by slip and noise."""
-NEAR, FAR, ELSEWHERE_ODDS = 0.02, 0.3, 0.05
+SOUND_AXLE_STD, WRONG_AXLE_STD, WRONG_AXLE_ODDS = 0.02, 0.3, 0.05
 """Standard deviations (m) of how far a sound file's axle is from where it is, and a wrong one's; one file in twenty."""
 
 
@@ -15,7 +15,7 @@ def elsewhere(axle_x: float, told_x: float, std: float, least: float) -> Suspici
     """`offset` of an axle that is seen at `axle_x` to a standard deviation, and told at another x in {b} (m); None
     where it is less probable than `least`."""
     off = axle_x - told_x
-    probability = wider(off, std, NEAR, FAR, ELSEWHERE_ODDS)
+    probability = wider(off, std, SOUND_AXLE_STD, WRONG_AXLE_STD, WRONG_AXLE_ODDS)
     if probability < least:
         return None
     words = (

@@ -36,7 +36,7 @@ from .suspicion import Suspicion
 from .velocities import of_velocities
 from .wrenches import judged
 
-ANY = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
+UNCONSTRAINED_CART = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
 """A cart that may go any way."""
 NO_CART = "no cart was given; say --cart cart.yaml"
 ODD_POSES = "mend the poses first"
@@ -98,7 +98,10 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
     sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
     is_odd = any(one.kind == "unit" and one.where == "pose" for one in sensors.suspicions)
     if cart is None or is_odd:
-        motion, unjudged = motion_of(sensors.log, ANY), ODD_POSES if is_odd else NO_CART if log.arms else ""
+        motion, unjudged = (
+            motion_of(sensors.log, UNCONSTRAINED_CART),
+            ODD_POSES if is_odd else NO_CART if log.arms else "",
+        )
     else:
         balances = Balances.of(sensors.log, cart)
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
@@ -118,7 +121,7 @@ def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
     """The motions of the parts that are long enough."""
     for part in parts:
         with suppress(DataError):
-            yield motion_of(put_right(part, None).log, ANY)
+            yield motion_of(put_right(part, None).log, UNCONSTRAINED_CART)
 
 
 def _holes(parts: Sequence[RunLog]) -> Iterator[Suspicion]:

@@ -18,10 +18,10 @@ from cartgrasp.logs import ArmLog
 from .frozen_wrenches import tells_noise
 from .suspicion import Suspicion
 
-NAMES = ("fx", "fy", "fz", "tx", "ty", "tz")
-FEWEST, OFTEN = 10, 5.0
+WRENCH_COMPONENTS = ("fx", "fy", "fz", "tx", "ty", "tz")
+MIN_CLIPPED_ROWS, MIN_CLIPPED_COUNT_RATIO = 10, 5.0
 """Rows at an end; times as many as of any other number."""
-AROUND = 0.03
+CLIP_MARGIN_INTERVAL = 0.03
 """s: of what is near an end, noise lets only the smaller part through. Of 0.03 to 0.1 masses say the same."""
 
 
@@ -41,19 +41,23 @@ def ends(wrench: Array) -> Iterator[End]:
         within = known[~np.isin(known, both)]
         for value in both if tells_noise(within[:, None]) else ():
             count = int((known == value).sum())
-            if value != 0.0 and count >= FEWEST and count > OFTEN * np.unique(within, return_counts=True)[1].max():
+            if (
+                value != 0.0
+                and count >= MIN_CLIPPED_ROWS
+                and count > MIN_CLIPPED_COUNT_RATIO * np.unique(within, return_counts=True)[1].max()
+            ):
                 yield End(i, float(value), column == value)
 
 
 def without_clipped(arm: ArmLog, time: Array) -> ArmLog:
-    """The arm, with such rows, and those `AROUND` them, as missing samples at times (n,)."""
+    """The arm, with such rows, and those `CLIP_MARGIN_INTERVAL` about them, as missing samples at times (n,)."""
     found = [end.rows for end in ends(arm.wrench)]
     at = time[np.any(found, axis=0)] if found else time[:0]
     if not len(at):
         return arm
     after = np.searchsorted(at, time)
     before, behind = time - at[np.maximum(after - 1, 0)], at[np.minimum(after, len(at) - 1)] - time
-    near = (np.abs(before) < AROUND) | (np.abs(behind) < AROUND)
+    near = (np.abs(before) < CLIP_MARGIN_INTERVAL) | (np.abs(behind) < CLIP_MARGIN_INTERVAL)
     return ArmLog(arm.contact, np.where(near[:, None], np.nan, arm.wrench))
 
 
@@ -62,8 +66,8 @@ def clipped_arm(name: str, arm: ArmLog, time: Array) -> Iterator[Suspicion]:
     for end in ends(arm.wrench):
         unit, count = "N" if end.component < 3 else "N·m", int(end.rows.sum())
         words = (
-            f"{printable(name)}: {NAMES[end.component]} is {end.value:.6g} {unit} in {count} of {len(time)} rows, "
-            f"first at t = {time[int(np.argmax(end.rows))]:g} s, and never beyond: the end of the sensor's range; "
-            "these rows are left out: push less, or take a sensor for more"
+            f"{printable(name)}: {WRENCH_COMPONENTS[end.component]} is {end.value:.6g} {unit} in {count} of "
+            f"{len(time)} rows, first at t = {time[int(np.argmax(end.rows))]:g} s, and never beyond: the end of "
+            "the sensor's range; these rows are left out: push less, or take a sensor for more"
         )
         yield Suspicion("scale", name, 0.99, None, words, put_right=True)

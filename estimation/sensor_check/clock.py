@@ -19,15 +19,15 @@ from cartgrasp.frames import Array
 
 from ..log_noise.log_noise import white_noise
 from .evidence import independent_rows
-from .windows import FEWEST, Sums, Track, Windows
+from .windows import MIN_WINDOWS, Sums, Track, Windows
 
-LONGEST, START = 0.4, 0.1
+MAX_CLOCK_LAG, LAG_GRID_STEP = 0.4, 0.1
 """s: of lags that are looked for, and between those with which a search begins; half a start or stop."""
-ROUNDS, ENOUGH = 12, 1e-6
+MAX_LAG_ITERATIONS, LAG_TOLERANCE = 12, 1e-6
 """Most rounds of Gauss and Newton; change of the lag (s) below which they end."""
-LOUD = 0.1
+MAX_NOISE_FRACTION = 0.1
 """Share of what tells lags from scales that noise may make."""
-LEAST_SHARE = 0.5
+MIN_EXPLAINED_FRACTION = 0.5
 """Least share of what poses do that velocities must explain before their clock can be told."""
 
 
@@ -84,7 +84,7 @@ class Rates:
         """What is seen (n,), its columns by 1/gain and by lag (n, 2), both beside levers, and what noise of variance 1
         adds to the latter's sum of squares. None where windows are too few."""
         kept = sums.covered & self.covered
-        if kept.sum() < FEWEST:
+        if kept.sum() < MIN_WINDOWS:
             return None
         columns = np.stack([sums.integral(self.rate).T, sums.rate(self.rate).T], axis=-1)[:, kept].reshape(-1, 2)
         both = np.column_stack([self.seen[:, kept].ravel(), columns])
@@ -102,7 +102,7 @@ def best_lags(readings: Sequence[Rates]) -> list[Best | None]:
     """For rates at the same rows, read in several ways: the lag of a coarse grid that leaves least, for each
     reading."""
     tried: list[list[tuple[float, Best]]] = [[] for _ in readings]
-    for lag in np.arange(-LONGEST, LONGEST + START / 2, START).tolist():
+    for lag in np.arange(-MAX_CLOCK_LAG, MAX_CLOCK_LAG + LAG_GRID_STEP / 2, LAG_GRID_STEP).tolist():
         sums = readings[0].on(lag)
         for rates, own in zip(readings, tried, strict=True):
             found = rates.by(sums)
@@ -119,23 +119,23 @@ def clock(rates: Rates | None) -> Clock | None:
     if rates is None or start is None:
         return None
     lag, variance = start[0], sum(white_noise(column) ** 2 for column in rates.rate.T)
-    for _ in range(ROUNDS):
+    for _ in range(MAX_LAG_ITERATIONS):
         found = rates.by(rates.on(lag))
         if found is None:
             return None
         seen, columns, noise = found
         normal = columns.T @ columns
-        if variance * noise >= LOUD * (normal[1, 1] - normal[0, 1] ** 2 / max(normal[0, 0], 1e-300)):
+        if variance * noise >= MAX_NOISE_FRACTION * (normal[1, 1] - normal[0, 1] ** 2 / max(normal[0, 0], 1e-300)):
             return None
         values = np.linalg.solve(normal, columns.T @ seen)
         if values[0] <= 0:
             return None
-        change = float(np.clip(values[1] / values[0], -START / 2, START / 2))
+        change = float(np.clip(values[1] / values[0], -LAG_GRID_STEP / 2, LAG_GRID_STEP / 2))
         lag += change
-        if abs(change) < ENOUGH:
+        if abs(change) < LAG_TOLERANCE:
             break
     left = seen - columns @ values
-    if left @ left > (1 - LEAST_SHARE) * (seen @ seen) or abs(lag) > LONGEST + START:
+    if left @ left > (1 - MIN_EXPLAINED_FRACTION) * (seen @ seen) or abs(lag) > MAX_CLOCK_LAG + LAG_GRID_STEP:
         return None
     rows = max(independent_rows(left) - 2, 1.0)
     std = np.sqrt(np.diag(np.linalg.inv(normal)) * (left @ left) / rows)

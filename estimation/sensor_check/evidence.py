@@ -12,7 +12,7 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
-UNEXPLAINED = 0.1
+UNEXPLAINED_FRACTION = 0.1
 """Share of a motion's size that no cart model explains: wheels slip, loads lean, frames bend."""
 
 
@@ -23,7 +23,7 @@ def probabilities(log_evidence: Array, prior: Array) -> Array:
     return np.asarray(odds / odds.sum())
 
 
-def evidence(left: Array, whole: float, rows: float, floor: float = UNEXPLAINED**2) -> Array:
+def evidence(left: Array, whole: float, rows: float, floor: float = UNEXPLAINED_FRACTION**2) -> Array:
     """Log evidence (k,) of rivals that leave sums of squares (k,) of the whole, of which all leave a share."""
     return np.asarray(-0.5 * rows * np.log(left / whole + floor))
 

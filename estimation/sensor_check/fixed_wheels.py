@@ -11,16 +11,16 @@ import math
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
-from .axle import ASIDE, elsewhere
+from .axle import MAX_SIDESLIP_RATIO, elsewhere
 from .evidence import independent_rows
 from .heading import Displacements, displacements
-from .suspicion import TOLD, Suspicion
+from .suspicion import REPORT_PROBABILITY, Suspicion
 from .windows import Track
-from .wrenches import ROW_STEPS, balances_of
+from .wrenches import WRENCH_CHECK_ROW_STEPS, balances_of
 
-WRONG_ODDS = 0.2
+FIXED_WHEELS_ODDS = 0.2
 """That a cart which goes like that, by a file without constraints, has fixed wheels."""
-ALIKE, UNLIKE = (0.0, 1.0), (3.0, 2.5)
+FREE_CART_LOG_RATIO, FIXED_WHEELS_LOG_RATIO = (0.0, 1.0), (3.0, 2.5)
 """Mean and standard deviation of the log of what sideways forces leave over what forward ones do, as squares: of
 a cart that goes any way, by as good sensors, and of one that its wheels hold."""
 
@@ -29,17 +29,21 @@ def of_wheels(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     """`frame` of a cart whose file lacks the constraint of its wheels, `offset` of one whose axle is elsewhere; none of
     carts that can't turn, and where too little is seen."""
     seen = displacements(Track.of(balances.log))
-    if seen is None or cart.constraints.no_rotation or float(seen.across @ seen.across) > ASIDE**2 * seen.size:
+    if (
+        seen is None
+        or cart.constraints.no_rotation
+        or float(seen.across @ seen.across) > MAX_SIDESLIP_RATIO**2 * seen.size
+    ):
         return ()
     told_x = cart.constraints.axle_x
     if told_x is not None:
-        found = elsewhere(seen.axle, float(told_x), seen.axle_std, TOLD)
+        found = elsewhere(seen.axle, float(told_x), seen.axle_std, REPORT_PROBABILITY)
         return () if found is None else (found,)
     return _lacking(seen, balances, cart) if math.isfinite(seen.axle_std) else ()
 
 
 def _lacking(seen: Displacements, balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
-    known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
+    known = next((found for step in WRENCH_CHECK_ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if known is None:
         return ()
     forward, sideways, _ = known
@@ -50,9 +54,13 @@ def _lacking(seen: Displacements, balances: Balances, cart: CartModel) -> tuple[
     ahead, aside = push - mass * way, sideways.as_recorded() - mass * sideways.motion
     ratio = float(aside @ aside) / float(ahead @ ahead) if ahead.any() else math.inf
     spread = math.sqrt(sum(2 / max(independent_rows(one), 1.0) for one in (ahead, aside)))
-    log_odds = math.log(WRONG_ODDS) + _log_normal(ratio, UNLIKE, spread) - _log_normal(ratio, ALIKE, spread)
+    log_odds = (
+        math.log(FIXED_WHEELS_ODDS)
+        + _log_normal(ratio, FIXED_WHEELS_LOG_RATIO, spread)
+        - _log_normal(ratio, FREE_CART_LOG_RATIO, spread)
+    )
     probability = 1 / (1 + math.exp(-min(max(log_odds, -700.0), 700.0)))
-    if probability < TOLD:
+    if probability < REPORT_PROBABILITY:
         return ()
     at = f"{round(seen.axle, 2) + 0.0:g}"
     words = (

@@ -18,9 +18,9 @@ from cartgrasp.logs import ArmLog
 
 from .suspicion import Suspicion
 
-RARE = 1e-3
+MAX_CHANCE_RUNS = 1e-3
 """How many such runs a log has by chance."""
-MOST = 0.5
+MAX_FROZEN_FRACTION = 0.5
 """Share of the rows: what repeats more often is a sensor that is slower than the rows."""
 
 
@@ -41,13 +41,13 @@ def frozen_wrench(wrench: Array) -> Frozen | None:
     if not len(edges):
         return None
     runs = edges[:, 1] - edges[:, 0]
-    least = next((k for k in np.unique(runs) if _by_chance(runs, int(k), len(known)) < RARE), None)
+    least = next((k for k in np.unique(runs) if _by_chance(runs, int(k), len(known)) < MAX_CHANCE_RUNS), None)
     if least is None:
         return None
     rows, taken = np.zeros(len(wrench), dtype=bool), np.zeros(len(known), dtype=bool)
     for first, last in edges[runs >= least]:
         taken[first:last] = True
-    if taken.mean() > MOST or not tells_noise(known[~taken]):
+    if taken.mean() > MAX_FROZEN_FRACTION or not tells_noise(known[~taken]):
         return None
     rows[there[taken]] = True
     longest = int(np.argmax(runs))

@@ -18,26 +18,26 @@ from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import noise_floor
 from .evidence import evidence, independent_rows, probabilities
-from .suspicion import TOLD, Suspicion
-from .windows import FEWEST, Sums, Track, Windows
+from .suspicion import REPORT_PROBABILITY, Suspicion
+from .windows import MIN_WINDOWS, Sums, Track, Windows
 
-DEGREE, RIGHT = math.pi / 180, math.pi / 2
-READINGS: tuple[tuple[str, float, float | None, str], ...] = (
+RAD_PER_DEGREE, RIGHT_ANGLE = math.pi / 180, math.pi / 2
+HEADING_READINGS: tuple[tuple[str, float, float | None, str], ...] = (
     ("", 1.0, 0.0, ""),
-    ("unit", DEGREE, 0.0, "theta is in degrees: multiply it by 0.0174533"),
-    ("unit", 1 / DEGREE, 0.0, "theta is 57 times too small, turned into radians twice: multiply it by 57.2958"),
+    ("unit", RAD_PER_DEGREE, 0.0, "theta is in degrees: multiply it by 0.0174533"),
+    ("unit", 1 / RAD_PER_DEGREE, 0.0, "theta is 57 times too small, turned into radians twice: multiply it by 57.2958"),
     ("sign", -1.0, 0.0, "theta (or x, or y) has the opposite sign: multiply it by -1"),
-    ("axes", -1.0, RIGHT, "x and y are swapped: exchange them"),
-    ("axes", 1.0, RIGHT, "theta is that of the cart's side: turn it by 90°"),
+    ("axes", -1.0, RIGHT_ANGLE, "x and y are swapped: exchange them"),
+    ("axes", 1.0, RIGHT_ANGLE, "theta is that of the cart's side: turn it by 90°"),
     ("frame", 1.0, None, "the tracked frame is turned against the cart's by {:.0f}° or so: give its pose there"),
 )
 """Kind, factor of theta, offset (rad; None: any), and words of the ways in which poses may be meant, the sound one
 first."""
-MISALIGNED = 0.1
+MAX_MISALIGNMENT = 0.1
 """rad, within which an offset is one that an effect of the vocabulary tells (`wheel_misalignment`)."""
-STILL = 4.0
+MIN_MOTION_NOISE_RATIO = 4.0
 """Times the square of what white noise of the places alone makes: a cart that goes no farther says nothing."""
-WRONG_ODDS, ANY_OFFSET = 0.01, 2 * MISALIGNED / math.pi
+WRONG_HEADING_ODDS, KNOWN_OFFSET_FRACTION = 0.01, 2 * MAX_MISALIGNMENT / math.pi
 """Odds of each wrong reading: one log in a hundred; share of all offsets that lie so near to a known one."""
 
 
@@ -45,10 +45,10 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses; none of carts that may go any way, or where too little is seen."""
     if cart.constraints.axle_x is None or cart.constraints.no_rotation:
         return ()
-    seen = {factor: displacements(Track.of(log, factor)) for factor in {one[1] for one in READINGS}}
+    seen = {factor: displacements(Track.of(log, factor)) for factor in {one[1] for one in HEADING_READINGS}}
     offsets, left = list[float](), list[float]()
     least = (np.inf, np.zeros(1))
-    for _, factor, known, _ in READINGS:
+    for _, factor, known, _ in HEADING_READINGS:
         part = seen[factor]
         if part is None:
             return ()
@@ -56,20 +56,23 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
         psi = _best(along, across)
         if known is not None:
             right = known + float(cart.rolling.angle)
-            psi = right + float(np.clip(_half_turn(psi - right), -MISALIGNED, MISALIGNED))
+            psi = right + float(np.clip(_half_turn(psi - right), -MAX_MISALIGNMENT, MAX_MISALIGNMENT))
         aside = math.cos(psi) * across - math.sin(psi) * along
         offsets.append(_half_turn(psi))
         left.append(float(aside @ aside) / size)
         least = min(least, (left[-1], aside), key=lambda one: one[0])
-    odds = np.array([1.0] + [WRONG_ODDS * (ANY_OFFSET if one[2] is None else 1.0) for one in READINGS[1:]])
+    odds = np.array(
+        [1.0]
+        + [WRONG_HEADING_ODDS * (KNOWN_OFFSET_FRACTION if one[2] is None else 1.0) for one in HEADING_READINGS[1:]]
+    )
     found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
     told = []
     for kind in ("unit", "sign", "axes", "frame"):
-        which = [i for i, one in enumerate(READINGS) if one[0] == kind]
+        which = [i for i, one in enumerate(HEADING_READINGS) if one[0] == kind]
         most = max(which, key=lambda i: float(found[i]))
-        if found[which].sum() >= TOLD:
-            words = READINGS[most][3].format(math.degrees(offsets[most]))
-            times = READINGS[most][1] if kind in ("unit", "sign") else None
+        if found[which].sum() >= REPORT_PROBABILITY:
+            words = HEADING_READINGS[most][3].format(math.degrees(offsets[most]))
+            times = HEADING_READINGS[most][1] if kind in ("unit", "sign") else None
             words = f"the cart goes sideways as its wheels can't, unless {words}"
             told.append(Suspicion(kind, "pose", float(found[which].sum()), times, words))
     return tuple(told)
@@ -94,7 +97,7 @@ def ways(track: Track, sums: Sums) -> tuple[Array, Array] | None:
     across = sums.along(track.y, c) - sums.along(track.x, s)
     both = np.column_stack([along, across])[kept]
     noise = sum(noise_floor(place) ** 2 for place in (track.x, track.y)) * sums.rate_noise(kept)
-    if kept.sum() < FEWEST or float((both**2).sum()) <= STILL * noise:
+    if kept.sum() < MIN_WINDOWS or float((both**2).sum()) <= MIN_MOTION_NOISE_RATIO * noise:
         return None
     return both, sums.along(track.heading)[kept]
 

@@ -22,10 +22,10 @@ from .heading import ways
 from .suspicion import Suspicion
 from .windows import Track, Windows
 
-SURE, LEAST = 8.0, 0.01
+DRIFT_SIGMAS, MIN_DRIFT_ANGLE = 8.0, 0.01
 """Standard deviations of the drift, and rad of it over the log, beyond both of which it is one. Of 40 made logs, half
 of them with wheels that slip, are turned or drag on one side, none is beyond 0.7 deviations."""
-ROUNDS = 5
+MAX_DRIFT_FITS = 5
 """Fits at most, each of which is right for small angles."""
 
 
@@ -44,7 +44,7 @@ def heading_drift(log: RunLog, cart: CartModel) -> Drift | None:
     if cart.constraints.axle_x is None or cart.constraints.no_rotation or windows is None:
         return None
     found, whole = _drift(track, windows), 0.0
-    for _ in range(ROUNDS):
+    for _ in range(MAX_DRIFT_FITS):
         if found is None or not _is_sure(found._replace(rate=whole + found.rate)):
             return None
         whole += found.rate
@@ -55,7 +55,7 @@ def heading_drift(log: RunLog, cart: CartModel) -> Drift | None:
 
 
 def _is_sure(found: Drift) -> bool:
-    return abs(found.rate) > max(SURE * found.std, LEAST / found.span)
+    return abs(found.rate) > max(DRIFT_SIGMAS * found.std, MIN_DRIFT_ANGLE / found.span)
 
 
 def _drift(track: Track, windows: Windows) -> Drift | None:

@@ -17,16 +17,16 @@ from cartgrasp.logs import RunLog
 from .repeated_rows import without_again
 from .suspicion import Suspicion
 
-AROUND, FEWEST = 0.1, 4
+JUMP_LINE_INTERVAL, MIN_JUMP_LINE_ROWS = 0.1, 4
 """s, and rows at least, through which a line goes."""
-USUAL, UNLIKE = 0.9, 4.0
+USUAL_MISS_QUANTILE, JUMP_MISS_RATIO = 0.9, 4.0
 """Share of all moments whose misses are usual; times that. It is 2.3 for white noise, and 3.8 at most in measured
 logs."""
-MOST = 0.6, 1.5
+JUMP_STEP_RATIOS = 0.6, 1.5
 """What a step is of a jump, beside what noise makes of both."""
-HARDEST = {"pose": 1.0, "heading": 1.0}
+HIT_SPEED_CHANGE = {"pose": 1.0, "heading": 1.0}
 """m/s and rad/s: half of what a hit changes a speed by. It does within a step, at any moment of it."""
-EVEN = 1.5
+MAX_EVEN_SPAN_RATIO = 1.5
 """Times as long as usual that rows may take: lines through a hole say nothing."""
 
 
@@ -56,7 +56,7 @@ def _found(log: RunLog) -> dict[str, tuple[Array, Array]]:
     there = np.isfinite(fresh).all(axis=1)
     time, pose = log.time[there], fresh[there]
     tracks = {"pose": pose[:, :2], "heading": np.unwrap(pose[:, 2])[:, None]}
-    return {where: _jumped(time, track, HARDEST[where]) for where, track in tracks.items()}
+    return {where: _jumped(time, track, HIT_SPEED_CHANGE[where]) for where, track in tracks.items()}
 
 
 def _jumped(time: Array, track: Array, hardest: float) -> tuple[Array, Array]:
@@ -65,16 +65,16 @@ def _jumped(time: Array, track: Array, hardest: float) -> tuple[Array, Array]:
     if len(time) < 2:
         return nothing
     period = float(np.median(np.diff(time)))
-    rows = max(math.ceil(AROUND / period), FEWEST)
+    rows = max(math.ceil(JUMP_LINE_INTERVAL / period), MIN_JUMP_LINE_ROWS)
     if len(time) <= 4 * rows:
         return nothing
     missed = np.linalg.norm(_misses(track, rows), axis=1)
     at = np.arange(rows - 1, len(time) - rows)
-    even = time[at + rows] - time[at + 1 - rows] < EVEN * (2 * rows - 1) * period
+    even = time[at + rows] - time[at + 1 - rows] < MAX_EVEN_SPAN_RATIO * (2 * rows - 1) * period
     step = _beside(np.diff(track, axis=0), np.diff(time))[at]
-    usual = float(np.quantile(missed[even], USUAL)) if even.any() else math.inf
-    is_far = missed > max(UNLIKE * usual, hardest * period)
-    is_one = (step > MOST[0] * missed) & (step < MOST[1] * missed)
+    usual = float(np.quantile(missed[even], USUAL_MISS_QUANTILE)) if even.any() else math.inf
+    is_far = missed > max(JUMP_MISS_RATIO * usual, hardest * period)
+    is_one = (step > JUMP_STEP_RATIOS[0] * missed) & (step < JUMP_STEP_RATIOS[1] * missed)
     peak = missed == _largest_around(missed, rows)
     own = np.flatnonzero(even & is_far & is_one & peak)
     return time[at[own] + 1], missed[own]

@@ -24,17 +24,17 @@ from .frozen_wrenches import frozen_arm, without_frozen
 from .repeated_rows import local_change, repeats_fast
 from .suspicion import Suspicion
 
-STRAIGHT = 1e-3
+STRAIGHT_BEND_RATIO = 1e-3
 """Share of the usual bend below which a row is straight: a bend of white noise is as small in a thousandth of the
 rows."""
-FEWEST = 20
+MIN_RECORDER_SAMPLES = 20
 """Rows, and gaps between values."""
-WHOLE = 0.7
+MIN_STEP_RESULTANT = 0.7
 """Resultant length of the gaps' remainders from which they are whole numbers of steps: 1 where they are, less than a
 half (in 99 of 100) where 20 of them are anything. Digits that are cut off leave remainders of an eighth of a step."""
-NEAR = 20.5
+MAX_GAP_STEPS = 20.5
 """Steps: of wider gaps the remainder depends on the step's last digit."""
-SLOW = 0.2
+MAX_ROW_INTERVAL = 0.2
 """s between rows: carts are started and stopped within half a second, which three samples at least show."""
 
 
@@ -121,7 +121,7 @@ def straight_rows(rows: Array, time: Array) -> np.ndarray:
     moves evenly for long is no such row: knots come one by one, and at least one for every ten rows."""
     there = np.flatnonzero(np.isfinite(rows).all(axis=1))
     found = np.zeros(len(rows), dtype=bool)
-    if len(there) < FEWEST:
+    if len(there) < MIN_RECORDER_SAMPLES:
         return found
     slope = np.diff(rows[there], axis=0) / np.diff(time[there])[:, None]
     bend = np.abs(np.diff(slope, axis=0))
@@ -129,7 +129,7 @@ def straight_rows(rows: Array, time: Array) -> np.ndarray:
     live = usual > 0
     if not live.any():
         return found
-    is_bent = (bend[:, live] > STRAIGHT * usual[live]).any(axis=1)
+    is_bent = (bend[:, live] > STRAIGHT_BEND_RATIO * usual[live]).any(axis=1)
     moves = (np.abs(slope[1:]) > 0).any(axis=1) & (np.abs(slope[:-1]) > 0).any(axis=1)
     alone = is_bent[1:-1] & ~is_bent[:-2] & ~is_bent[2:]
     straight = ~is_bent & moves
@@ -185,19 +185,22 @@ def step_of(column: Array) -> float | None:
     values = np.unique(column[np.isfinite(column)])
     gaps = np.diff(values)
     gaps = gaps[gaps > 1e-9 * np.abs(values).max(initial=0.0)]
-    if len(gaps) < FEWEST:
+    if len(gaps) < MIN_RECORDER_SAMPLES:
         return None
     for first in np.quantile(gaps, [0.0, 0.02, 0.1, 0.5]):
         step = _refined(gaps, float(first))
-        near = gaps[gaps < NEAR * step]
-        if len(near) >= max(FEWEST, 0.1 * len(gaps)) and np.abs(np.exp(2j * np.pi * near / step).mean()) > WHOLE:
+        near = gaps[gaps < MAX_GAP_STEPS * step]
+        if (
+            len(near) >= max(MIN_RECORDER_SAMPLES, 0.1 * len(gaps))
+            and np.abs(np.exp(2j * np.pi * near / step).mean()) > MIN_STEP_RESULTANT
+        ):
             return step
     return None
 
 
 def _refined(gaps: Array, step: float) -> float:
     """Least squares of gaps on whole numbers of steps, near ones first."""
-    for reach in (1.5, 3.5, 6.5, 10.5, NEAR):
+    for reach in (1.5, 3.5, 6.5, 10.5, MAX_GAP_STEPS):
         near = gaps[gaps < reach * step]
         count = np.maximum(np.round(near / step), 1.0)
         step = float((near @ count) / (count @ count)) if len(near) else step
@@ -207,10 +210,10 @@ def _refined(gaps: Array, step: float) -> float:
 def slow(log: RunLog) -> tuple[Suspicion, ...]:
     """Rows that come too seldom, or times in milliseconds."""
     step = float(np.median(np.diff(log.time))) if len(log) > 1 else 0.0
-    if step <= SLOW:
+    if step <= MAX_ROW_INTERVAL:
         return ()
     words = (
-        f"rows come every {step:.3g} s: starts and stops fall between them; record at {1 / SLOW:.0f} Hz or more, "
-        "or, if t is in milliseconds, multiply it by 0.001"
+        f"rows come every {step:.3g} s: starts and stops fall between them; record at {1 / MAX_ROW_INTERVAL:.0f} Hz "
+        "or more, or, if t is in milliseconds, multiply it by 0.001"
     )
     return (Suspicion("holes", "time", 0.99, step, words),)

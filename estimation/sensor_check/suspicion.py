@@ -4,12 +4,12 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 
-KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "offset", "repeated", "quantised", "jumps", "holes")
-REFUSED = ("sign", "unit", "axes", "frame")
+SUSPICION_KINDS = ("sign", "unit", "axes", "frame", "lag", "scale", "offset", "repeated", "quantised", "jumps", "holes")
+REFUSED_KINDS = ("sign", "unit", "axes", "frame")
 """Kinds with which no estimate means anything."""
-SURE = 0.9
-"""Probability from which one of `REFUSED` stops a command (`docs/command_line.md`)."""
-TOLD, UNIT_TOLD = 0.5, 0.1
+REFUSAL_PROBABILITY = 0.9
+"""Probability from which one of `REFUSED_KINDS` stops a command (`docs/command_line.md`)."""
+REPORT_PROBABILITY, UNIT_REPORT_PROBABILITY = 0.5, 0.1
 """Less likely ones are not worth a line. Signs, axes and frames a log tells by itself, so they are likelier than not.
 Of a unit often the mass alone speaks, whose guess may be off: what is wrong then is worth nine looks in vain."""
 
@@ -30,4 +30,4 @@ class Suspicion:
 
     @property
     def is_refused(self) -> bool:
-        return self.kind in REFUSED and self.probability >= SURE
+        return self.kind in REFUSED_KINDS and self.probability >= REFUSAL_PROBABILITY

@@ -13,21 +13,21 @@ from cartgrasp.logs import RunLog
 
 from .clock import Clock, Rates, best_lags, clock
 from .evidence import evidence, independent_rows, probabilities, wider
-from .suspicion import SURE, TOLD, Suspicion
+from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, Suspicion
 from .windows import Track
 
-LATE, LATE_ODDS = (0.002, 0.05), 0.2
+VELOCITY_LAG_STDS, LATE_VELOCITY_ODDS = (0.002, 0.05), 0.2
 """s by which sound velocities are late (what clocks of one machine differ by) and wrong ones (filters, buses, means
 over the last row); odds of the latter: one log in six."""
-LARGE, LARGE_ODDS = (0.005, 0.1), 0.1
+VELOCITY_LOG_GAIN_STDS, WRONG_VELOCITY_GAIN_ODDS = (0.005, 0.1), 0.1
 """Spreads of the log gain of sound velocities, from one calibrated device, and of wrong ones (worn or mistaken wheels);
 odds of the latter."""
-WRONG_ODDS = 0.01
+WRONG_VELOCITY_AXES_ODDS = 0.01
 """Odds of each way in which axes are mistaken: one log in a hundred."""
-UNITS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "ft/s": 0.3048}
+VELOCITY_UNITS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "ft/s": 0.3048}
 """What velocities are multiplied by to be m/s. Where places are in one of them and velocities aren't, its inverse."""
-TURNING_UNITS = {"deg/s": math.pi / 180}
-SAME_UNIT = 0.1
+YAW_RATE_UNITS = {"deg/s": math.pi / 180}
+SAME_UNIT_TOLERANCE = 0.1
 """Spread of the log gain that calibration leaves."""
 
 
@@ -41,9 +41,9 @@ class Sensor:
     units: dict[str, float]
 
 
-SENSORS = (
-    Sensor("velocity", "velocities (vx, vy)", slice(0, 2), UNITS),
-    Sensor("yaw_rate", "yaw rates (omega)", slice(2, 3), TURNING_UNITS),
+VELOCITY_SENSORS = (
+    Sensor("velocity", "velocities (vx, vy)", slice(0, 2), VELOCITY_UNITS),
+    Sensor("yaw_rate", "yaw rates (omega)", slice(2, 3), YAW_RATE_UNITS),
 )
 
 Turn = Callable[[Array, Array], Array]
@@ -60,7 +60,7 @@ def _times(*signs: float) -> Turn:
     return lambda velocity, _: velocity * np.array(signs)
 
 
-READINGS: dict[str, tuple[tuple[str, str, Turn], ...]] = {
+VELOCITY_READINGS: dict[str, tuple[tuple[str, str, Turn], ...]] = {
     "velocity": (
         ("", "", _times(1, 1, 1)),
         ("frame", "vx and vy are along the cart's own axes; turn them by theta into the world's", _of_cart),
@@ -84,7 +84,7 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
     if log.velocity is None or not np.isfinite(log.velocity).any():
         return log, ()
     track, velocity = Track.of(log), log.velocity.copy()
-    for sensor in SENSORS:
+    for sensor in VELOCITY_SENSORS:
         rates = Rates.of(track, log.time, log.velocity[:, sensor.columns])
         wrong = (
             [] if rates is None else _axes(log.velocity, np.interp(log.time, track.time, track.heading), rates, sensor)
@@ -103,7 +103,7 @@ def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
 
 def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list[Suspicion]:
     """Suspicions of a sensor's columns, by how much of what poses do each reading explains."""
-    readings, left, least = READINGS[sensor.where], [], (np.inf, np.zeros(1))
+    readings, left, least = VELOCITY_READINGS[sensor.where], [], (np.inf, np.zeros(1))
     for best in best_lags([rates.read_as(turn(velocity, heading)[:, sensor.columns]) for _, _, turn in readings]):
         if best is None or not best[1].any():
             return []
@@ -111,19 +111,23 @@ def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list
         rest = seen - z * max(float(seen @ z), 0.0) / max(float(z @ z), 1e-300)
         left.append(float(rest @ rest) / float(seen @ seen))
         least = min(least, (left[-1], rest), key=lambda one: one[0])
-    odds = np.array([1.0] + [WRONG_ODDS] * (len(readings) - 1))
+    odds = np.array([1.0] + [WRONG_VELOCITY_AXES_ODDS] * (len(readings) - 1))
     found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
     best_of = {kind: max((p, words) for (k, words, _), p in zip(readings, found, strict=True) if k == kind)
                for kind in dict.fromkeys(kind for kind, *_ in readings[1:])}  # fmt: skip
-    return [Suspicion(k, sensor.where, float(p), None, words) for k, (p, words) in best_of.items() if p >= TOLD]
+    return [
+        Suspicion(k, sensor.where, float(p), None, words)
+        for k, (p, words) in best_of.items()
+        if p >= REPORT_PROBABILITY
+    ]
 
 
 def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
     """`lag` and `scale`, or `unit`, where one is likelier than not: then it is put right."""
     told = []
     log_gain, gain_std = math.log(fit.gain), fit.gain_std / fit.gain
-    late = wider(fit.lag, fit.lag_std, *LATE, LATE_ODDS)
-    large = wider(log_gain, gain_std, *LARGE, LARGE_ODDS)
+    late = wider(fit.lag, fit.lag_std, *VELOCITY_LAG_STDS, LATE_VELOCITY_ODDS)
+    large = wider(log_gain, gain_std, *VELOCITY_LOG_GAIN_STDS, WRONG_VELOCITY_GAIN_ODDS)
     if late > 0.5:
         words = (
             f"{sensor.what} come {abs(fit.lag) * 1e3:.1f} ± {fit.lag_std * 1e3:.1f} ms "
@@ -140,7 +144,7 @@ def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
         told.append(Suspicion("scale", sensor.where, large, fit.gain, words, put_right=True))
     if unit is not None:
         where, words, factor = unit
-        told.append(Suspicion("unit", where, max(large, SURE), factor, words))
+        told.append(Suspicion("unit", where, max(large, REFUSAL_PROBABILITY), factor, words))
     return told
 
 
@@ -148,10 +152,10 @@ def _unit(log_gain: float, sensor: Sensor) -> tuple[str, str, float] | None:
     """Where, words and factor of the unit that a gain is of: the velocities', or that of the poses beside them."""
     poses, columns = ("pose", "x and y") if sensor.where == "velocity" else ("heading", "theta")
     for name, factor in sensor.units.items():
-        if abs(log_gain + math.log(factor)) < SAME_UNIT:
+        if abs(log_gain + math.log(factor)) < SAME_UNIT_TOLERANCE:
             words = f"{sensor.what} seem to be in {name} against {columns}; multiply them by {factor:.6g}"
             return sensor.where, words, factor
-        if abs(log_gain - math.log(factor)) < SAME_UNIT:
+        if abs(log_gain - math.log(factor)) < SAME_UNIT_TOLERANCE:
             words = f"{columns} seem to be in {name.removesuffix('/s')} against {sensor.what}; multiply by {factor:.6g}"
             return poses, words, factor
     return None

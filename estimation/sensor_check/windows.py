@@ -19,14 +19,14 @@ from cartgrasp.logs import RunLog
 
 from ..weak_form.splines import SPLINE_DEGREE, SplineBasis
 
-WIDTH = 0.8
+WINDOW_WIDTH = 0.8
 """s, of a window; starts and stops of carts take about as long."""
-MEASURED = 12
+MIN_WINDOW_INTERVALS = 12
 """Intervals within a window, at least, for the sums to be integrals."""
-HOLE, COVERED = WIDTH / 5, 0.005
+MAX_SAMPLE_INTERVAL, COVERAGE_TOLERANCE = WINDOW_WIDTH / 5, 0.005
 """s between samples, from which on nobody knows what happened: from knot to knot. Of a window: how much the sum of its
 values may be off, where samples are missing at its ends."""
-FEWEST, MOST = 8, 10_000_000
+MIN_WINDOWS, MAX_WINDOWS = 8, 10_000_000
 """Windows: more are of a clock that jumped."""
 
 
@@ -86,14 +86,14 @@ class Windows:
     @classmethod
     def over(cls, *times: Array) -> Windows | None:
         """The windows over sensors that were sampled at these times; None where that is too short or too slow."""
-        if min(len(time) for time in times) < 2 * MEASURED:
+        if min(len(time) for time in times) < 2 * MIN_WINDOW_INTERVALS:
             return None
         slowest = max(float(np.median(np.diff(time))) for time in times)
         first, last = max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
-        width = WIDTH
+        width = WINDOW_WIDTH
         found = cls(first, last, width / (SPLINE_DEGREE + 1))
-        is_whole = (FEWEST + SPLINE_DEGREE) * found.step < last - first < MOST * found.step
-        return found if slowest * MEASURED <= 2 * width and is_whole else None
+        is_whole = (MIN_WINDOWS + SPLINE_DEGREE) * found.step < last - first < MAX_WINDOWS * found.step
+        return found if slowest * MIN_WINDOW_INTERVALS <= 2 * width and is_whole else None
 
     @cached_property
     def basis(self) -> SplineBasis:
@@ -105,8 +105,8 @@ class Windows:
         inside = (middle >= self.first) & (middle <= self.first + self.step * (basis.count - SPLINE_DEGREE))
         whole = slice(SPLINE_DEGREE, basis.count - SPLINE_DEGREE)
         value, slope = (_spread(basis.design(middle[inside], k), inside, whole) for k in (0, 1))
-        has_hole = value @ (steps > HOLE).astype(float) > 0
-        covered = ~has_hole & (np.abs(value @ steps / self.step - 1) < COVERED)
+        has_hole = value @ (steps > MAX_SAMPLE_INTERVAL).astype(float) > 0
+        covered = ~has_hole & (np.abs(value @ steps / self.step - 1) < COVERAGE_TOLERANCE)
         return Sums(steps, value, slope, np.asarray(covered))
 
 

@@ -25,29 +25,29 @@ from cartgrasp.wheels import CASTER
 from ..log_noise.log_noise import noise_floor
 from ..weak_form.balances import Balances
 from ..weak_form.band import NUISANCE_EFFECTS
-from .evidence import UNEXPLAINED, gain_evidence, independent_rows, probabilities
-from .suspicion import SURE, TOLD, UNIT_TOLD, Suspicion
-from .wrench_readings import UNIT_ODDS, UNITS, Mounting, mountings
+from .evidence import UNEXPLAINED_FRACTION, gain_evidence, independent_rows, probabilities
+from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, UNIT_REPORT_PROBABILITY, Suspicion
+from .wrench_readings import UNIT_ODDS, WRENCH_UNITS, Mounting, mountings
 
-ROW_STEPS = 0.4, 0.2
+WRENCH_CHECK_ROW_STEPS = 0.4, 0.2
 """The step (s) of rows of test functions, which are four times as long in all. Models of pushed carts hold below a
 hertz or so; loads swing, handles give. The second step is for logs that are too short for the first."""
-FEWEST = 16
+MIN_SPARE_ROWS = 16
 """Rows beside the columns that are taken out."""
-MASS_SPREAD, INERTIA_SPREAD, SAME_GAIN = 0.5, 0.7, 0.1
+LOG_MASS_STD, LOG_INERTIA_STD, SIDEWAYS_LOG_GAIN_STD = 0.5, 0.7, 0.1
 """Spreads of logarithms. The first is of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7.
 The second is of its yaw inertia, beside what the mass is off by. The third is of the mass that is felt sideways against
 the one felt ahead."""
-NOISY = 2.0
+MIN_SIGNAL_VARIANCE_RATIO = 2.0
 """Times the variance that white noise gives means over a row's step: of sixteen of them, in one case in a hundred."""
-TRACE = 1e-8
+NEGLIGIBLE_DIRECTION_RATIO = 1e-8
 """Share of the largest below which smaller directions are rounding."""
-FARTHEST = 5.0
+MAX_CONTACT_DISTANCE = 5.0
 """m from {b}'s origin: nobody holds a cart there, but at about one metre: three hundred are millimetres."""
-STRETCH, STRETCHES = 1 / 3, (0.0, 1 / 6, 1 / 3, 1 / 2, 2 / 3)
+LEFT_OUT_FRACTION, LEFT_OUT_STARTS = 1 / 3, (0.0, 1 / 6, 1 / 3, 1 / 2, 2 / 3)
 """Share of what the cart did that lies in a stretch; where they begin."""
-UNKNOWN = "poses and the wrenches of all arms come together nowhere for long enough"
-KINDS = ("sign", "axes", "frame", "unit")
+NO_OVERLAP = "poses and the wrenches of all arms come together nowhere for long enough"
+WRENCH_FAULT_KINDS = ("sign", "axes", "frame", "unit")
 
 
 @dataclass(frozen=True)
@@ -67,7 +67,7 @@ class Reading:
     @property
     def taken(self) -> Array:
         """(3, 8)."""
-        force, moment = UNITS[self.unit]
+        force, moment = WRENCH_UNITS[self.unit]
         return np.asarray(self.mounting.taken * np.array([[force], [force], [moment]]))
 
 
@@ -105,7 +105,7 @@ class Balance:
         whole = self.signals.reshape(len(self.motion), -1)
         left = [self.motion - basis @ (basis.T @ self.motion) for basis in (_orthogonal(sound), _orthogonal(whole))]
         rows = min(independent_rows(one) for one in left) * (1 - self.taken_out / len(self.motion))
-        return max(rows, 1.0), max(float(left[1] @ left[1] / (self.motion @ self.motion)), UNEXPLAINED**2)
+        return max(rows, 1.0), max(float(left[1] @ left[1] / (self.motion @ self.motion)), UNEXPLAINED_FRACTION**2)
 
 
 Known = tuple[Balance, Balance | None, Balance | None]
@@ -119,19 +119,19 @@ def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
 def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
     """Suspicions of wrenches, and why they can't be judged: "" where they can, or nobody pushes."""
     far = _far_contacts(balances)
-    known = next((found for step in ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
+    known = next((found for step in WRENCH_CHECK_ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
     if far or known is None:
-        why = "the cart moves too little, or for too short a time" if len(balances.used) else UNKNOWN
+        why = "the cart moves too little, or for too short a time" if len(balances.used) else NO_OVERLAP
         return far, why if balances.wrenches.arms and not far else ""
     readings = _readings(len(balances.wrenches.arms))
     every = [_posterior(one, readings, cart) for one in (known, *_without_a_third(known))]
     posterior = max(every, key=lambda one: float(one[0]))
     zz, zy, yy = known[0].products(readings)
-    masses = zz / np.where(np.abs(zy) > TRACE * np.sqrt(zz * yy), zy, np.inf)
+    masses = zz / np.where(np.abs(zy) > NEGLIGIBLE_DIRECTION_RATIO * np.sqrt(zz * yy), zy, np.inf)
     told = []
     for i, name in enumerate(balances.wrenches.arms):
         wrong = [j for j, r in enumerate(readings) if i in r.arms]
-        by_kind = {kind: [j for j in wrong if kind in readings[j].kinds] for kind in KINDS}
+        by_kind = {kind: [j for j in wrong if kind in readings[j].kinds] for kind in WRENCH_FAULT_KINDS}
         for kind, probability in _told(float(posterior[wrong].sum()), {k: posterior[v] for k, v in by_kind.items()}):
             most = max(by_kind[kind], key=lambda j: float(posterior[j]))
             factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
@@ -145,8 +145,8 @@ def _posterior(known: Known, readings: Sequence[Reading], cart: CartModel) -> Ar
     one = np.ones(len(readings))
     rows, floor = forward.scatter()
     usual = -math.log(phi[0]) * one
-    log_evidence, log_gain = gain_evidence(forward.products(readings), rows, usual, MASS_SPREAD, floor)
-    for balance, ratio, spread in ((sideways, 1.0, SAME_GAIN), (turning, phi[0] / phi[3], INERTIA_SPREAD)):
+    log_evidence, log_gain = gain_evidence(forward.products(readings), rows, usual, LOG_MASS_STD, floor)
+    for balance, ratio, spread in ((sideways, 1.0, SIDEWAYS_LOG_GAIN_STD), (turning, phi[0] / phi[3], LOG_INERTIA_STD)):
         if balance is not None:
             rows, floor = balance.scatter()
             products = balance.products(readings)
@@ -158,8 +158,8 @@ def _without_a_third(known: Known) -> Iterator[Known]:
     """The balances without each of some stretches in which a third of what the cart did lies. A sensor that is set up
     wrongly is so in all of the log; what else acts for a while, such as somebody who pushes, is not."""
     done = np.cumsum(known[0].motion ** 2)
-    for first in STRETCHES:
-        kept = (done < first * done[-1]) | (done > (first + STRETCH) * done[-1])
+    for first in LEFT_OUT_STARTS:
+        kept = (done < first * done[-1]) | (done > (first + LEFT_OUT_FRACTION) * done[-1])
         yield known[0].rows(kept), *(None if one is None else one.rows(kept) for one in known[1:])  # type: ignore[misc]
 
 
@@ -168,11 +168,13 @@ def _told(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]
     for all."""
     found = {kind: float(posterior.sum()) for kind, posterior in by_kind.items()}
     likeliest = max(found, key=lambda kind: found[kind])
-    if whole >= SURE > found[likeliest]:
+    if whole >= REFUSAL_PROBABILITY > found[likeliest]:
         yield likeliest, whole
         return
-    least = {"unit": UNIT_TOLD}
-    yield from ((kind, probability) for kind, probability in found.items() if probability >= least.get(kind, TOLD))
+    least = {"unit": UNIT_REPORT_PROBABILITY}
+    yield from (
+        (kind, probability) for kind, probability in found.items() if probability >= least.get(kind, REPORT_PROBABILITY)
+    )
 
 
 def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartModel) -> tuple[float | None, str]:
@@ -180,7 +182,7 @@ def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartM
     recorded, so = masses
     file = f"(the cart file says {cart.inertia.mass:.3g} kg)"
     if kind == "unit":
-        force, moment = UNITS[reading.unit]
+        force, moment = WRENCH_UNITS[reading.unit]
         words = (
             f"wrenches seem to be in {' and '.join(reading.unit)}: as recorded the mass would be {recorded:.3g} kg, so "
             f"it is {so:.3g} kg {file}; multiply forces by {force:.6g} and moments by {moment:.6g}, or mend the file's "
@@ -206,9 +208,9 @@ def _readings(arms: int) -> list[Reading]:
     groups = [(every, 1.0)] if arms == 1 else [(every, 0.5), *(((i,), 0.5 / arms) for i in every)]
     sound, si = mountings()[0], ("N", "N·m")
     found = [Reading((), sound, si, 1.0)]
-    for (group, share), mounting, unit in product(groups, mountings(), UNITS):
+    for (group, share), mounting, unit in product(groups, mountings(), WRENCH_UNITS):
         if mounting is not sound or unit != si:
-            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in UNITS)
+            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in WRENCH_UNITS)
             odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS / alike)
             found.append(Reading(group, mounting, unit, odds))
     return found
@@ -251,13 +253,13 @@ def _speaks(log: RunLog, arm: str) -> np.ndarray:
     sign, and chance would."""
     wrench = log.arms[arm].wrench
     wrench = wrench[np.isfinite(wrench).all(axis=1)]
-    size = int(ROW_STEPS[0] / float(np.median(np.diff(log.time))))
+    size = int(WRENCH_CHECK_ROW_STEPS[0] / float(np.median(np.diff(log.time))))
     count = len(wrench) // max(size, 1)
-    if size < 2 or count < FEWEST:
+    if size < 2 or count < MIN_SPARE_ROWS:
         return np.ones(wrench.shape[1], dtype=bool)
     means = wrench[: count * size].reshape(count, size, -1).mean(axis=1)
     noise = np.array([noise_floor(column) for column in wrench.T])
-    return np.asarray(means.var(axis=0) > NOISY * noise**2 / size)
+    return np.asarray(means.var(axis=0) > MIN_SIGNAL_VARIANCE_RATIO * noise**2 / size)
 
 
 def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
@@ -265,11 +267,14 @@ def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
     where too little is."""
     basis = _orthogonal(np.delete(columns, own, axis=1))
     k, taken = basis.shape
-    if k < taken + FEWEST:
+    if k < taken + MIN_SPARE_ROWS:
         return None
     motion, flat = columns[:, own], signals.reshape(k, -1)
     left, beside = motion - basis @ (basis.T @ motion), flat - basis @ (basis.T @ flat)
-    if left @ left <= TRACE * (motion @ motion) or not (beside**2).sum() > TRACE * (flat**2).sum():
+    if (
+        left @ left <= NEGLIGIBLE_DIRECTION_RATIO * (motion @ motion)
+        or not (beside**2).sum() > NEGLIGIBLE_DIRECTION_RATIO * (flat**2).sum()
+    ):
         return None
     return Balance(left, beside.reshape(signals.shape), taken)
 
@@ -277,9 +282,12 @@ def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
 def _orthogonal(columns: Array) -> Array:
     """A basis (k, q) of columns (k, p), but for those that are nothing."""
     sizes = np.linalg.norm(columns, axis=0)
-    live = columns[:, sizes > TRACE * sizes.max(initial=0.0)] / sizes[sizes > TRACE * sizes.max(initial=0.0)]
+    live = (
+        columns[:, sizes > NEGLIGIBLE_DIRECTION_RATIO * sizes.max(initial=0.0)]
+        / sizes[sizes > NEGLIGIBLE_DIRECTION_RATIO * sizes.max(initial=0.0)]
+    )
     left, values, _ = np.linalg.svd(live, full_matrices=False)
-    return np.asarray(left[:, values > TRACE * values.max(initial=0.0)])
+    return np.asarray(left[:, values > NEGLIGIBLE_DIRECTION_RATIO * values.max(initial=0.0)])
 
 
 def _far_contacts(balances: Balances) -> tuple[Suspicion, ...]:
@@ -288,7 +296,7 @@ def _far_contacts(balances: Balances) -> tuple[Suspicion, ...]:
     for name, arm in balances.log.arms.items():
         whole = arm.contact[np.isfinite(arm.contact).all(axis=1)]
         reach = float(np.median(np.linalg.norm(whole, axis=1))) if len(whole) else 0.0
-        if reach > FARTHEST:
+        if reach > MAX_CONTACT_DISTANCE:
             unit, factor = ("mm", 0.001) if reach > 300 else ("cm", 0.01)
             words = (
                 f"{printable(name)}: contacts are {reach:.3g} m from the cart's origin, they seem to be in {unit}: "

@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check.check import put_right
-from estimation.sensor_check.clipped_wrenches import AROUND, clipped_arm, ends, without_clipped
+from estimation.sensor_check.clipped_wrenches import CLIP_MARGIN_INTERVAL, clipped_arm, ends, without_clipped
 from estimation.whole_log.identification import identify
 
 from .logs import CART, cart_of, two_hands
@@ -24,7 +24,7 @@ def test_ends_of_range_are_found(seed, low, high, which):
     arm = ArmLog(np.zeros((ROWS, 3)), rows)
     left_out = np.isnan(without_clipped(arm, TIME).wrench).any(axis=1)
     at = TIME[np.isin(rows[:, which], [low, high])]
-    np.testing.assert_array_equal(left_out, (np.abs(TIME[:, None] - at) < AROUND).any(axis=1))
+    np.testing.assert_array_equal(left_out, (np.abs(TIME[:, None] - at) < CLIP_MARGIN_INTERVAL).any(axis=1))
     assert all("the end of the sensor's range" in said.words for said in clipped_arm("left", arm, TIME))
 
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.discrepancy import diagnose
-from estimation.sensor_check import KINDS, REFUSED, Suspicion, check_sensors
+from estimation.sensor_check import REFUSED_KINDS, SUSPICION_KINDS, Suspicion, check_sensors
 
 from .logs import CART, RAIL, found, late, on_rail, sealed, two_hands, with_wrenches
 
@@ -16,7 +16,7 @@ def test_a_suspicion_says_what_stops():
     assert one.is_refused
     assert not replace(one, probability=0.89).is_refused
     assert not replace(one, kind="lag").is_refused
-    assert set(REFUSED) < set(KINDS)
+    assert set(REFUSED_KINDS) < set(SUSPICION_KINDS)
 
 
 @pytest.mark.long
@@ -31,7 +31,7 @@ def test_all_that_is_told_keeps_to_the_contract():
     assert {one.kind for one in told} >= {"sign", "lag", "scale", "quantised"}
     assert told[0].is_refused
     for one in told:
-        assert one.kind in KINDS
+        assert one.kind in SUSPICION_KINDS
         assert 0.0 <= one.probability <= 1.0
         assert one.factor is None or np.isfinite(one.factor)
         assert "\n" not in one.words

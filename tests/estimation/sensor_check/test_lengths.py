@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.lengths import UNITS, of_lengths
+from estimation.sensor_check.lengths import LENGTH_UNITS, of_lengths
 
 from .logs import CART, on_rail, two_hands
 
@@ -17,10 +17,10 @@ def test_a_cart_does_not_go_so_fast(name, make):
     """Before, forces were told to be in kN."""
     log = make(1)
     noise = 0.002 * np.random.default_rng(0).standard_normal((len(log), 2))
-    place = (log.pose[:, :2] + noise) / UNITS[name]
+    place = (log.pose[:, :2] + noise) / LENGTH_UNITS[name]
     moved = replace(log, pose=np.column_stack([place, log.pose[:, 2]]), velocity=None)
     (told,) = (one for one in of_lengths(moved) if one.where == "pose")
-    assert (told.kind, told.factor, told.is_refused) == ("unit", UNITS[name], True)
+    assert (told.kind, told.factor, told.is_refused) == ("unit", LENGTH_UNITS[name], True)
     assert f"x and y are in {name}" in told.words
     look = look_at(moved, CART)
     assert {(one.kind, one.where) for one in look.suspicions if one.is_refused} == {("unit", "pose")}
