@@ -18,8 +18,8 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from estimation.discrepancy.findings.named import RIVAL, true_alone
-from estimation.discrepancy.search.gains import WORTH
+from estimation.discrepancy.findings.named import ALTERNATIVE_ODDS_WEIGHT, true_alone
+from estimation.discrepancy.search.gains import MIN_GAIN_NATS
 
 from .sealed.calibration import bins, brier
 from .sealed.judging import bare
@@ -63,12 +63,12 @@ def names(folders: Sequence[Path], reports: str) -> Names:
             known, first = {bare(e["name"]): e for e in reversed(report.get("effects", []))}, _largest(report)
             for (said, right), effect in zip(judgement.probabilities, known.values(), strict=True):
                 gain, alone, closes = max(effect.get("gain", 0.0), 1.0), said, effect.get("gap_share", 0.0) > 0.0
-                logs = np.log(gain / WORTH), np.log(gain / max(first, gain))
+                logs = np.log(gain / MIN_GAIN_NATS), np.log(gain / max(first, gain))
                 if effect.get("gain"):
                     alone = true_alone(gain, first, closes)
                 else:
                     logs = np.nan, np.nan
-                rows.append((said, (alone / said - 1.0) / RIVAL, *logs, not closes, right, half))
+                rows.append((said, (alone / said - 1.0) / ALTERNATIVE_ODDS_WEIGHT, *logs, not closes, right, half))
     return Names(*np.array(rows, dtype=float).reshape(-1, 7).T)
 
 
@@ -100,8 +100,8 @@ def reliability(folders: Sequence[Path], others: Sequence[Path], reports: str, f
     told = second.by(*numbers)
     rows = [
         f"Fitted to {len(first.said)} names, of which {int(first.right.sum())} are true: log odds {numbers[0]:.2f} at "
-        f"{WORTH:g} nats, {numbers[1]:.2f} more for each time e as many, {numbers[2]:.2f} less for each time e that "
-        f"the largest gain is larger; rivals' odds count {numbers[3]:.3f} times; {numbers[4]:.2f} less of what closes "
+        f"{MIN_GAIN_NATS:g} nats, {numbers[1]:.2f} more for each time e as many, {numbers[2]:.2f} less for each "
+        f"time e that the largest gain is larger; rivals' odds count {numbers[3]:.3f} times; {numbers[4]:.2f} less of what closes "
         f"nothing. Of {len(second.said)} others:",
         "",
         HEADER,

@@ -83,29 +83,35 @@ ASSUMPTIONS = (
     *_of(
         "discrepancy.findings.certainty",
         {
-            "SIZE_SHARE": "of an effect's size, what its form leaves open",
-            "LEAST_TIME": "half a sample: no onset is known better",
-            "LEAST_PLACE": "what an edge of the floor is: none is known better",
-            "FORM_SHARE": "of a length, what the form of its effect leaves open",
+            "SIZE_FORM_FRACTION": "of an effect's size, what its form leaves open",
+            "MIN_TIME_STD": "half a sample: no onset is known better",
+            "MIN_PLACE_STD": "what an edge of the floor is: none is known better",
+            "LENGTH_FORM_FRACTION": "of a length, what the form of its effect leaves open",
         },
     ),
     *_of(
         "discrepancy.search.form_error",
         {
-            "LATE": "how late an effect comes whose form is wrong by its whole size",
-            "SLOW": "speeds below which forms of drag differ",
-            "FAR": "way after a reversal on which forms of drag differ",
+            "FORM_DELAY": "how late an effect comes whose form is wrong by its whole size",
+            "FORM_SPEED_SCALES": "speeds below which forms of drag differ",
+            "FORM_DISTANCE_SCALES": "way after a reversal on which forms of drag differ",
         },
     ),
     *_of(
         "discrepancy.search.continuum",
         {
-            "NEIGHBOURS": "how wide noise is alike about a frequency, in steps of what a log resolves",
-            "HUMP": "nats beforehand against louder noise there",
+            "NEIGHBOURS_PER_SIDE": "how wide noise is alike about a frequency, in steps of what a log resolves",
+            "NOISE_HUMP_NATS": "nats beforehand against louder noise there",
         },
     ),
-    *_of("discrepancy.search.course", {"ROLLING": "speed from which on a motion has a direction, in drags of laws"}),
-    *_of("discrepancy.findings.fast_noise", {"MOST": "times a sensor's white noise: how far its noise may remember"}),
+    *_of(
+        "discrepancy.search.course",
+        {"MIN_DIRECTED_SPEED": "speed from which on a motion has a direction, in drags of laws"},
+    ),
+    *_of(
+        "discrepancy.findings.fast_noise",
+        {"MAX_FAST_NOISE_RATIO": "times a sensor's white noise: how far its noise may remember"},
+    ),
     *_of(
         "weak_form.log_segments",
         {"IMPACT_MARGIN": "how long a touch lasts", "MIN_STOP_DISTANCE": "how near a stop a cart leans on it"},
@@ -113,58 +119,81 @@ ASSUMPTIONS = (
     *_of(
         "discrepancy.search.laws",
         {
-            "SETTING_IN": "speeds from which on a drag may grow",
-            "SINCE": "ways since a reversal over which a drag may change",
-            "SCRUBS": "yaw rate from which on a moment no longer grows",
-            "COEFFICIENTS": "of a spline: how a drag or a wind may change with time",
+            "DRAG_ONSET_FRACTIONS": "speeds from which on a drag may grow",
+            "REVERSAL_KNOTS": "ways since a reversal over which a drag may change",
+            "SCRUB_SATURATION_FRACTION": "yaw rate from which on a moment no longer grows",
+            "SPLINE_COEFFICIENTS": "of a spline: how a drag or a wind may change with time",
         },
     ),
     *_of(
         "discrepancy.search.model",
         {
-            "GUESS_STD": "prior of the logarithms of mass and inertia",
-            "COM_STD": "prior of the CoM",
-            "SIZE_STD": "prior of an added effect, of its usual size",
-            "FILE_SHARE": "prior of an effect of the file, of its value",
-            "FILE_LEAST": "prior of an effect of the file, of its usual size",
-            "FORM_LEVER": "how far from where the model says a force may act",
-            "TIMING_STD": "of a step, how late a sensor's samples may be",
+            "LOG_MASS_PRIOR_STD": "prior of the logarithms of mass and inertia",
+            "COM_PRIOR_STD": "prior of the CoM",
+            "AMPLITUDE_PRIOR_RATIO": "prior of an added effect, of its usual size",
+            "FILE_PRIOR_VALUE_FRACTION": "prior of an effect of the file, of its value",
+            "FILE_PRIOR_SIZE_FRACTION": "prior of an effect of the file, of its usual size",
+            "FORCE_LEVER_STD": "how far from where the model says a force may act",
+            "TIMING_STD_FRACTION": "of a step, how late a sensor's samples may be",
         },
     ),
-    *_of("discrepancy.findings.rivals", {"SIMPLER": "nats for each number that a rival takes less"}),
+    *_of("discrepancy.findings.rivals", {"NATS_PER_NUMBER": "nats for each number that a rival takes less"}),
     *_of(
         "discrepancy.findings.named",
         {
-            "TRUE_AT": "log odds that a name is true which gains what a name is worth and closes some of the gap",
-            "TRUE_BY": "by what more, for each time e as many nats",
-            "TRUE_BESIDE": "by what less, for each time e that the largest gain is larger",
-            "RIVAL": "of the odds of what explains about as much",
-            "UNTRIED": "probability of a name that no step added",
+            "NAME_BASE_LOG_ODDS": "log odds that a name is true which gains what a name is worth and closes some of "
+            "the gap",
+            "NAME_GAIN_SLOPE": "by what more, for each time e as many nats",
+            "NAME_LARGEST_GAIN_SLOPE": "by what less, for each time e that the largest gain is larger",
+            "ALTERNATIVE_ODDS_WEIGHT": "of the odds of what explains about as much",
+            "UNTRIED_NAME_PROBABILITY": "probability of a name that no step added",
         },
     ),
-    *_of("discrepancy.findings.refusal", {"BLOCK": "time over which errors of rollouts are related"}),
-    *_of("discrepancy.findings.rollouts", {"MOST_STILL": "of a rollout, in which anything may have held the cart"}),
+    *_of("discrepancy.findings.refusal", {"ERROR_BLOCK_INTERVAL": "time over which errors of rollouts are related"}),
+    *_of(
+        "discrepancy.findings.rollouts", {"MAX_REST_FRACTION": "of a rollout, in which anything may have held the cart"}
+    ),
     # what is usual: the table of priors
     Constant(
-        "discrepancy.search.plausible", "ODDS[rolling_resistance]", B, 0.0, "log odds of rolling resistance before data"
+        "discrepancy.search.plausible",
+        "PRIOR_LOG_ODDS[rolling_resistance]",
+        B,
+        0.0,
+        "log odds of rolling resistance before data",
     ),
-    Constant("discrepancy.search.plausible", "LEAST[time_delay.delay]", B, 0.0, "least delay with a name"),
-    Constant("discrepancy.search.plausible", "LEAST[load_slosh.damping]", B, 0.0, "least damping of a load"),
-    Constant("discrepancy.search.plausible", "MOST[time_delay.delay]", B, inf, "largest delay with a name"),
-    Constant("discrepancy.search.plausible", "MOST[load_slosh.damping]", B, inf, "largest damping of a load"),
-    Constant("discrepancy.search.plausible", "MOST[load_slosh.frequency]", B, inf, "highest frequency of a load"),
-    Constant("discrepancy.search.plausible", "MOST[external_push.duration]", B, inf, "longest push"),
+    Constant("discrepancy.search.plausible", "MIN_SETTINGS[time_delay.delay]", B, 0.0, "least delay with a name"),
+    Constant("discrepancy.search.plausible", "MIN_SETTINGS[load_slosh.damping]", B, 0.0, "least damping of a load"),
+    Constant("discrepancy.search.plausible", "MAX_SETTINGS[time_delay.delay]", B, inf, "largest delay with a name"),
+    Constant("discrepancy.search.plausible", "MAX_SETTINGS[load_slosh.damping]", B, inf, "largest damping of a load"),
     Constant(
-        "discrepancy.search.plausible", "MOST[stribeck_friction.speed]", B, inf, "largest speed of Stribeck friction"
+        "discrepancy.search.plausible", "MAX_SETTINGS[load_slosh.frequency]", B, inf, "highest frequency of a load"
     ),
-    Constant("discrepancy.search.plausible", "MOST[caster_realignment.trail]", B, inf, "longest trail of a caster"),
-    Constant("discrepancy.search.plausible", "LEAST[force_scale.gain]", B, 0.0, "least gain of a sensor"),
-    Constant("discrepancy.search.plausible", "MOST[force_scale.gain]", B, inf, "largest gain of a sensor"),
-    Constant("discrepancy.search.plausible", "MOST[force_misalignment.angle]", B, inf, "largest angle of a sensor"),
-    Constant("discrepancy.search.plausible", "MOST[contact_offset.y]", B, inf, "farthest of a hand from its contact"),
-    Constant("discrepancy.search.plausible", "USUAL", B, (), "what every cart has, or every chain of sensors"),
-    Constant("discrepancy.search.plausible", "ESSENTIAL", B, {}, "what makes an effect what its name says"),
-    Constant("discrepancy.search.plausible", "LEVERS", B, {}, "effects whose moment is their force at a wheel"),
+    Constant("discrepancy.search.plausible", "MAX_SETTINGS[external_push.duration]", B, inf, "longest push"),
+    Constant(
+        "discrepancy.search.plausible",
+        "MAX_SETTINGS[stribeck_friction.speed]",
+        B,
+        inf,
+        "largest speed of Stribeck friction",
+    ),
+    Constant(
+        "discrepancy.search.plausible", "MAX_SETTINGS[caster_realignment.trail]", B, inf, "longest trail of a caster"
+    ),
+    Constant("discrepancy.search.plausible", "MIN_SETTINGS[force_scale.gain]", B, 0.0, "least gain of a sensor"),
+    Constant("discrepancy.search.plausible", "MAX_SETTINGS[force_scale.gain]", B, inf, "largest gain of a sensor"),
+    Constant(
+        "discrepancy.search.plausible", "MAX_SETTINGS[force_misalignment.angle]", B, inf, "largest angle of a sensor"
+    ),
+    Constant(
+        "discrepancy.search.plausible", "MAX_SETTINGS[contact_offset.y]", B, inf, "farthest of a hand from its contact"
+    ),
+    Constant(
+        "discrepancy.search.plausible", "UBIQUITOUS_EFFECTS", B, (), "what every cart has, or every chain of sensors"
+    ),
+    Constant("discrepancy.search.plausible", "ESSENTIAL_PARAMETERS", B, {}, "what makes an effect what its name says"),
+    Constant(
+        "discrepancy.search.plausible", "MOMENT_BY_FORCE", B, {}, "effects whose moment is their force at a wheel"
+    ),
     Constant("weak_form.band", "INERTIAL_EFFECTS", B, (), "names that nobody gets who does not push"),
-    Constant("discrepancy.search.candidates", "TURNING", B, (), "names that no cart on a rail gets"),
+    Constant("discrepancy.search.candidates", "TURNING_EFFECTS", B, (), "names that no cart on a rail gets"),
 )

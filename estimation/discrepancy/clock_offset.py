@@ -10,7 +10,7 @@ from dataclasses import dataclass
 
 from .search.model import Model
 
-UNKNOWN = 0.05
+MAX_OFFSET_STD = 0.05
 """Largest standard deviation (s) of an offset: whoever does not know it better knows nothing."""
 
 
@@ -33,6 +33,6 @@ def _of_rows_alone(model: Model, column: int) -> ClockOffset | None:
     prior = float(model.prior_std[column]) ** -2
     variance, value = float(model.score.covariance[column, column]), float(model.score.fit[column])
     information = 1 / variance - prior
-    if information < UNKNOWN**-2:
+    if information < MAX_OFFSET_STD**-2:
         return None
     return ClockOffset(model.lateness + value / (variance * information), information**-0.5)

@@ -22,15 +22,15 @@ from ..weak_form.integrals import SPLINE_SUPPORT
 from ..weak_form.motion import Motion
 from .clock_offset import ClockOffset
 
-FEWEST_ROWS = 40
+MIN_LOG_ROWS = 40
 """A log of 40 s at 1 Hz: some times the parameters of a cart."""
-SHORTEST = 4.0
+MIN_LOG_DURATION = 4.0
 """Shortest log (s)."""
-FEWEST_USED = 10
+MIN_BALANCE_ROWS = 10
 """Fewest rows of balances in weak form, which hold all that is needed."""
-EIGHTHS, LEAST_HEADED = 8, 1.0
+HEADING_SECTORS, MIN_SECTOR_INTERVAL = 8, 1.0
 """Parts of the circle; time (s) for which a cart heads into one at least."""
-ROLLING, STILL_TURNING = 0.015, 0.015
+MIN_ROLLING_SPEED, MIN_TURNING_RATE = 0.015, 0.015
 """Speed (m/s) and yaw rate (rad/s): below both a cart may stand still, and friction takes whatever value holds it."""
 
 
@@ -64,7 +64,7 @@ class LogCheck:
 
 
 def is_long_enough(log: RunLog) -> bool:
-    return len(log) >= FEWEST_ROWS and log.duration >= SHORTEST
+    return len(log) >= MIN_LOG_ROWS and log.duration >= MIN_LOG_DURATION
 
 
 def check_rows(log: RunLog) -> None:
@@ -72,12 +72,12 @@ def check_rows(log: RunLog) -> None:
     if not is_long_enough(log):
         raise DataError(
             f"{log.name}: {len(log)} rows over {log.duration:.2f} s are too few to compare with a simulation; "
-            f"record at least {FEWEST_ROWS} rows and {SHORTEST:g} s"
+            f"record at least {MIN_LOG_ROWS} rows and {MIN_LOG_DURATION:g} s"
         )
     seen = np.isfinite(log.pose).all(axis=1)
-    if seen.sum() < FEWEST_ROWS:
+    if seen.sum() < MIN_LOG_ROWS:
         raise DataError(
-            f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {FEWEST_ROWS} are needed"
+            f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {MIN_LOG_ROWS} are needed"
         )
     step = float(np.median(np.diff(log.time)))
     whole = {f"the {what} is whole": np.isfinite(values).all(axis=1) for what, values in _of_arms(log).items()}
@@ -85,9 +85,10 @@ def check_rows(log: RunLog) -> None:
         whole["all arms together have wrenches and contact points"] = _with_wrenches(log)
     for what, rows in whole.items():
         count = int(rows.sum())
-        if count < FEWEST_ROWS or count * step < SHORTEST:
+        if count < MIN_LOG_ROWS or count * step < MIN_LOG_DURATION:
             raise DataError(
-                f"{log.name}: {what} in {count} rows only, {count * step:.1f} s; record at least {SHORTEST:g} s of them"
+                f"{log.name}: {what} in {count} rows only, {count * step:.1f} s; record at least "
+                f"{MIN_LOG_DURATION:g} s of them"
             )
 
 
@@ -114,7 +115,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
     check_jumps(balances.log, float(motion.noise.pose[0]))
     _check_together(log, balances, bool(moves.any()))
     noise, fresh, forward = noise_of_log(balances.log, cart), without_repeats(log), motion.velocity[:, 0]
-    of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / EIGHTHS)).astype(int) % EIGHTHS
+    of_eighths = np.round(motion.pose[moves, 2] / (2 * np.pi / HEADING_SECTORS)).astype(int) % HEADING_SECTORS
     return LogCheck(
         name=log.name,
         rows=len(log),
@@ -131,21 +132,21 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
         clock_offset=None,
         distance=float(motion.speed[moves].sum() * motion.step),
         turned=float(_turning(motion)[moves].sum() * motion.step),
-        reversals=int((np.diff(np.sign(forward[np.abs(forward) > ROLLING])) != 0).sum()),
+        reversals=int((np.diff(np.sign(forward[np.abs(forward) > MIN_ROLLING_SPEED])) != 0).sum()),
         fastest=float(motion.speed.max()),
         moving=float(moves.mean()),
         speeds=_percentiles(motion.speed[moves], (10.0, 50.0, 90.0)),
-        headings=int((np.bincount(of_eighths, minlength=EIGHTHS) * motion.step > LEAST_HEADED).sum()),
+        headings=int((np.bincount(of_eighths, minlength=HEADING_SECTORS) * motion.step > MIN_SECTOR_INTERVAL).sum()),
         accelerations=tuple(_percentiles(each, (95.0,))[0] for each in np.abs(motion.acceleration[moves].T)),
     )
 
 
 def _check_together(log: RunLog, balances: Balances, moves: bool) -> None:
     """Refuses a log whose poses and wrenches hardly ever come together, and one without a sensor."""
-    if len(balances.used) < FEWEST_USED:
+    if len(balances.used) < MIN_BALANCE_ROWS:
         raise DataError(
             f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
-            f"record at least {max(SHORTEST, FEWEST_USED * balances.row_step):.1f} s without gaps"
+            f"record at least {max(MIN_LOG_DURATION, MIN_BALANCE_ROWS * balances.row_step):.1f} s without gaps"
         )
     wrenches = [arm.wrench[np.isfinite(arm.wrench).all(axis=1)] for arm in log.arms.values()]
     if moves and not coasts(log) and not any((one != one[:1]).any() for one in wrenches):
@@ -179,7 +180,7 @@ def moves(balances: Balances) -> bool:
 def moving(balances: Balances) -> np.ndarray:
     """Whether (n,), at each time of the motion, the cart was seen and surely moves."""
     motion = balances.motion
-    return np.asarray(((motion.speed > ROLLING) | (_turning(motion) > STILL_TURNING)) & motion.seen)
+    return np.asarray(((motion.speed > MIN_ROLLING_SPEED) | (_turning(motion) > MIN_TURNING_RATE)) & motion.seen)
 
 
 def _turning(motion: Motion) -> Array:

@@ -26,7 +26,7 @@ from estimation.discrepancy.search import attempts, gains
 
 ABLATED = [c for c in CONSTANTS if c.group is not Group.WORKS_OUT]
 BY_NAME = {c.full_name: c for c in CONSTANTS}
-SURE = BY_NAME["gains.SURE"]
+SURE = BY_NAME["gains.GAIN_SIGMAS"]
 
 
 def test_every_constant_is_in_the_list_once():
@@ -120,7 +120,8 @@ def test_who_has_copies_is_found_by_text_too():
 
 
 def test_what_reads_a_copy_follows():
-    """`verdicts` has a copy of `gains.SURE`: a gain of twice its error is sure, but not if ten times are asked for."""
+    """`verdicts` has a copy of `gains.GAIN_SIGMAS`: a gain of twice its error is sure, but not if ten times are
+    asked for."""
     slope = attempts.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
     best = attempts.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
     step = attempts.Step((best, slope), best)
@@ -131,17 +132,17 @@ def test_what_reads_a_copy_follows():
 
 
 def test_what_fails_leaves_nothing_behind():
-    before = gains.SURE
+    before = gains.GAIN_SIGMAS
     with pytest.raises(KeyError), patched(SURE, 1.0):
-        {1.0: "another"}.pop(gains.SURE + verdicts.SURE)
-    assert gains.SURE is before
-    assert verdicts.SURE is before
+        {1.0: "another"}.pop(gains.GAIN_SIGMAS + verdicts.GAIN_SIGMAS)
+    assert gains.GAIN_SIGMAS is before
+    assert verdicts.GAIN_SIGMAS is before
 
 
 def test_what_others_are_worked_out_from_is_not_patched():
     with (
-        pytest.raises(UsageError, match=r"residual_map\.BINS: modules work out others"),
-        patched(BY_NAME["residual_map.BINS"], 9),
+        pytest.raises(UsageError, match=r"residual_map\.PROFILE_BINS: modules work out others"),
+        patched(BY_NAME["residual_map.PROFILE_BINS"], 9),
     ):
         pass
     assert [c.full_name for c in ABLATED if worked_out_from(f"estimation.{c.module}", c.attribute)] == []
@@ -186,9 +187,13 @@ def test_copies_of_copies_are_found():
 
 
 def test_a_move_says_its_value():
-    one = Constant("discrepancy.search.gains", "WORTH", Group.DECIDES, 0.0, "least gain")
-    assert (one.moved(OFF), one.moved("0.7"), one.moved("1.3")) == (0.0, 0.7 * gains.WORTH, 1.3 * gains.WORTH)
-    assert (one.full_name, one.attribute, one.entry) == ("gains.WORTH", "WORTH", "")
-    entry = BY_NAME["plausible.MOST[time_delay.delay]"]
-    assert (entry.attribute, entry.entry) == ("MOST", "time_delay.delay")
+    one = Constant("discrepancy.search.gains", "MIN_GAIN_NATS", Group.DECIDES, 0.0, "least gain")
+    assert (one.moved(OFF), one.moved("0.7"), one.moved("1.3")) == (
+        0.0,
+        0.7 * gains.MIN_GAIN_NATS,
+        1.3 * gains.MIN_GAIN_NATS,
+    )
+    assert (one.full_name, one.attribute, one.entry) == ("gains.MIN_GAIN_NATS", "MIN_GAIN_NATS", "")
+    entry = BY_NAME["plausible.MAX_SETTINGS[time_delay.delay]"]
+    assert (entry.attribute, entry.entry) == ("MAX_SETTINGS", "time_delay.delay")
     assert entry.value == import_module("estimation.discrepancy.search.plausible").MOST["time_delay.delay"]

@@ -21,13 +21,13 @@ from estimation.discrepancy.search import gains
 from .test_sealed_score import CART, effect, entry, report
 
 BY_NAME = {c.full_name: c for c in CONSTANTS}
-WORTH, SURE = BY_NAME["gains.WORTH"], BY_NAME["gains.SURE"]
-TURNING = BY_NAME["candidates.TURNING"]
+WORTH, SURE = BY_NAME["gains.MIN_GAIN_NATS"], BY_NAME["gains.GAIN_SIGMAS"]
+TURNING = BY_NAME["candidates.TURNING_EFFECTS"]
 
 
 @dataclass(frozen=True)
 class Made(Case):
-    """A log in which something gains so much; it is named from `gains.WORTH` on, and should be."""
+    """A log in which something gains so much; it is named from `gains.MIN_GAIN_NATS` on, and should be."""
 
     gain: float
     kind_: str = "single"
@@ -59,16 +59,16 @@ class Made(Case):
 
 @pytest.fixture
 def asked(monkeypatch):
-    """The gains that were diagnosed, in order, each with WORTH (10 here) where it is read."""
+    """The gains that were diagnosed, in order, each with MIN_GAIN_NATS (10 here) where it is read."""
     found = []
-    monkeypatch.setattr(gains, "WORTH", 10.0)
+    monkeypatch.setattr(gains, "MIN_GAIN_NATS", 10.0)
 
     def diagnose(gain, cart):
         assert cart is None
-        found.append((gain, gains.WORTH))
+        found.append((gain, gains.MIN_GAIN_NATS))
         if gain < 0:
             raise DataError("no such gain")
-        effects = [{"name": "push", "label": "", "probability": 0.9}] if gain >= gains.WORTH else []
+        effects = [{"name": "push", "label": "", "probability": 0.9}] if gain >= gains.MIN_GAIN_NATS else []
         told = {"verdict": "told", "effects": effects, "unexplained": {}, "gap": float("nan"), "other": 1}
         return SimpleNamespace(report=SimpleNamespace(as_dict=lambda: told))
 
@@ -87,7 +87,7 @@ def test_a_constant_is_moved_while_a_log_is_diagnosed(asked, tmp_path):
     assert base.digest != moved.digest
     assert "other" not in base.report
     assert base.report["gap"] is None  # JSON has no NaN
-    assert gains.WORTH == 10.0
+    assert gains.MIN_GAIN_NATS == 10.0
 
 
 def test_what_is_kept_is_not_run_again(asked, tmp_path, monkeypatch):
@@ -99,7 +99,11 @@ def test_what_is_kept_is_not_run_again(asked, tmp_path, monkeypatch):
     assert len(asked) == 1
     (path,) = kept.glob("*.json")
     document = json.loads(path.read_text())
-    assert (document["case"], document["constant"], document["move"]) == ("single: gain 12", "gains.WORTH", "0.7")
+    assert (document["case"], document["constant"], document["move"]) == (
+        "single: gain 12",
+        "gains.MIN_GAIN_NATS",
+        "0.7",
+    )
     for number, change in enumerate(
         (
             lambda: run(Job(job.case), kept),
@@ -149,7 +153,7 @@ def test_a_log_that_can_not_be_followed_is_run(monkeypatch):
     assert told(followed) is base
     assert told(replace(followed, noticed=((WORTH.full_name, "0.7"),))) is None
     assert told(replace(followed, digest="of another run")) is None
-    monkeypatch.setattr(running, "diagnose", lambda *_: {}[gains.WORTH])
+    monkeypatch.setattr(running, "diagnose", lambda *_: {}[gains.MIN_GAIN_NATS])
     lost = watch.ask()
     assert lost.failure.startswith("can't be followed: ")
     assert told(lost) is None
@@ -157,7 +161,11 @@ def test_a_log_that_can_not_be_followed_is_run(monkeypatch):
 
 def test_a_constant_that_has_no_such_value_is_not_moved():
     jobs = list(wanted([Made(1.0)], [TURNING, WORTH], ("off", "0.7")))
-    assert [(job.constant.name, job.move) for job in jobs] == [("TURNING", "off"), ("WORTH", "off"), ("WORTH", "0.7")]
+    assert [(job.constant.name, job.move) for job in jobs] == [
+        ("TURNING_EFFECTS", "off"),
+        ("MIN_GAIN_NATS", "off"),
+        ("MIN_GAIN_NATS", "0.7"),
+    ]
 
 
 def test_the_table_counts_what_each_value_costs(asked, tmp_path):
@@ -175,9 +183,9 @@ def test_the_table_counts_what_each_value_costs(asked, tmp_path):
     assert {c["mass"] for c in cells} == {"12.00 %"}
     assert [c["to"] for c in cells[1:4]] == ["0", "7", "13"]
     assert cells[1]["changed"] == "1 (1 all)"
-    assert "Switched off without any change: `gains.SURE`." in text
-    assert "Switched off, fewer logs are right: `gains.WORTH`." in text
-    assert "Moved, they cost more than 1 % of the logs: `gains.WORTH`." in text
+    assert "Switched off without any change: `gains.GAIN_SIGMAS`." in text
+    assert "Switched off, fewer logs are right: `gains.MIN_GAIN_NATS`." in text
+    assert "Moved, they cost more than 1 % of the logs: `gains.MIN_GAIN_NATS`." in text
 
 
 def test_affected_logs_are_counted(asked, tmp_path):
@@ -191,9 +199,9 @@ def test_affected_logs_are_counted(asked, tmp_path):
         line.split(" | ")[0]: line[2:-2].split(" | ")[-2:] for line in text.splitlines() if line.startswith("| `")
     }
     assert counts == {
-        "| `gains.WORTH`": ["1", "1"],
-        "| `candidates.TURNING`": ["3", "-"],
-        "| `gains.SURE`": ["0", "0"],
+        "| `gains.MIN_GAIN_NATS`": ["1", "1"],
+        "| `candidates.TURNING_EFFECTS`": ["3", "-"],
+        "| `gains.GAIN_SIGMAS`": ["0", "0"],
     }
     assert "Not followed: single: gain -1, no such gain." in text
 
@@ -268,4 +276,4 @@ def test_the_program_says_what_it_can_not_do(capsys, monkeypatch, tmp_path):
     program.main()
     listed = capsys.readouterr().out.splitlines()
     assert len(listed) == len(CONSTANTS) + 2
-    assert any(line.startswith("| `gains.WORTH` | a | 10 | 0 | ") for line in listed)
+    assert any(line.startswith("| `gains.MIN_GAIN_NATS` | a | 10 | 0 | ") for line in listed)

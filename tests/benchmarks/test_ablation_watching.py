@@ -71,20 +71,23 @@ def test_only_what_decides_otherwise_is_noticed(compare, other):
 def test_constants_are_watched_together_and_for_a_while():
     """A gain of 14 is above WORTH (10 or so) and times 1.3, and above a tenth of the least size of an effect."""
     known = {c.full_name: c for c in CONSTANTS}
-    constants = [known[name] for name in ("gains.WORTH", "plausible.LEAST[time_delay.delay]", "candidates.TURNING")]
-    before = gains.WORTH, dict(plausible.LEAST)
+    constants = [
+        known[name]
+        for name in ("gains.MIN_GAIN_NATS", "plausible.MIN_SETTINGS[time_delay.delay]", "candidates.TURNING_EFFECTS")
+    ]
+    before = gains.MIN_GAIN_NATS, dict(plausible.MIN_SETTINGS)
     delay = before[1]["time_delay.delay"]
 
     def diagnosed():
-        return 1.2 * before[0] > gains.WORTH, 0.9 * delay < plausible.LEAST["time_delay.delay"]
+        return 1.2 * before[0] > gains.MIN_GAIN_NATS, 0.9 * delay < plausible.MIN_SETTINGS["time_delay.delay"]
 
     said, found = noticed(diagnosed, constants, ("off", "0.7", "1.3"))
     assert said == (True, True)
     assert found == {
-        ("gains.WORTH", "1.3"),
-        ("plausible.LEAST[time_delay.delay]", "off"),
-        ("plausible.LEAST[time_delay.delay]", "0.7"),
-        ("candidates.TURNING", "off"),  # names are not watched
+        ("gains.MIN_GAIN_NATS", "1.3"),
+        ("plausible.MIN_SETTINGS[time_delay.delay]", "off"),
+        ("plausible.MIN_SETTINGS[time_delay.delay]", "0.7"),
+        ("candidates.TURNING_EFFECTS", "off"),  # names are not watched
     }
-    assert (gains.WORTH, dict(plausible.LEAST)) == before
+    assert (gains.MIN_GAIN_NATS, dict(plausible.MIN_SETTINGS)) == before
     assert [is_watched(c) for c in constants] == [True, True, False]

@@ -30,7 +30,7 @@ from ...weak_form.band import Band, bands, consistent
 from ...weak_form.log_segments import MAX_SEGMENT_POSE_GAP, segments, split_at_gaps
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
-from ..findings.gap import BEYOND_NOISE, CLOSED, Gap, told_gap
+from ..findings.gap import DISAGREEMENT_NOISE_RATIO, MAX_GAP_LEFT_FRACTION, Gap, told_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
 from ..findings.named import NamedEffect, doubted, named, named_stops
@@ -54,7 +54,7 @@ from .sentence import sentence
 if TYPE_CHECKING:
     from .report import Report
 
-OTHER_CART = 3.0
+MASS_DIFFERENCE_SIGMAS = 3.0
 """Standard deviations between masses of logs: they are of different loads."""
 
 
@@ -141,7 +141,7 @@ class Diagnosis:
     @cached_property
     def disagrees(self) -> bool:
         """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
-        return bool(self.effects) or self.gap.refitted > BEYOND_NOISE * self.gap.noise_floor
+        return bool(self.effects) or self.gap.refitted > DISAGREEMENT_NOISE_RATIO * self.gap.noise_floor
 
     @cached_property
     def is_moved(self) -> bool:
@@ -154,9 +154,9 @@ class Diagnosis:
             return "no_discrepancy"
         if not self.effects:
             return "unexplained"
-        gap, noise = self.gap, BEYOND_NOISE * self.gap.noise_floor
+        gap, noise = self.gap, DISAGREEMENT_NOISE_RATIO * self.gap.noise_floor
         left, whole = gap.after**2 - noise**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
-        return "partly_explained" if left > CLOSED * whole else "explained"
+        return "partly_explained" if left > MAX_GAP_LEFT_FRACTION * whole else "explained"
 
     @cached_property
     def file_parameters(self) -> dict[str, tuple[float, ParameterEstimate]]:
@@ -225,7 +225,7 @@ class Diagnosis:
         known = [(b.name, band) for b, band in zip(self.final.logs, self.bands, strict=True) if band is not None]
         if len(known) > 1:
             (light, least), (heavy, most) = (end(known, key=lambda one: one[1].mass) for end in (min, max))
-            if most.mass - least.mass > OTHER_CART * float(np.hypot(least.deviation, most.deviation)):
+            if most.mass - least.mass > MASS_DIFFERENCE_SIGMAS * float(np.hypot(least.deviation, most.deviation)):
                 told = (f"{b.mass:.3g} ± {b.deviation:.2g} kg" for b in (least, most))
                 yield (
                     f"{light} and {heavy} tell of {' and of '.join(told)}: if the cart carried different loads, "

@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from ..where.residual import Residual
 
 NO_METADATA = dict.fromkeys(("Creator", "Date", "Format", "Type"))
-KINDS = {
+MODEL_COLOURS = {
     "measured": "0.25",
     "nominal": "#e69f00",
     "refitted": "#d55e00",
@@ -19,11 +19,11 @@ KINDS = {
     "noise alone": "#999999",
 }
 """Colours of what is measured, of three models, and of what noise does."""
-SIDES = ("refitted", "extended")
+COMPARED_MODELS = ("refitted", "extended")
 """Models beside one another: without what was added, and with it."""
-BAND: dict[str, Any] = {"color": "0.85", "lw": 0}
-ZERO: dict[str, Any] = {"color": "0.6", "lw": 0.6}
-FLAT = 0.05
+BAND_STYLE: dict[str, Any] = {"color": "0.85", "lw": 0}
+ZERO_LINE_STYLE: dict[str, Any] = {"color": "0.6", "lw": 0.6}
+FLAT_PATH_RATIO = 0.05
 """Width of a path as a share of its length: one that is no wider would be a line."""
 
 
@@ -48,8 +48,8 @@ def grid(rows: int, columns: int, height: float, width: float = 9.4, **shared: A
 def sides(rows: int, columns: int, height: float, **shared: Any) -> tuple[Figure, np.ndarray]:
     """Axes in rows of one scale each, for both models, or the first alone."""
     figure, axes = grid(rows, columns, height, sharey="row", **shared)
-    for ax, name in zip(axes[0], SIDES, strict=False):
-        ax.set_title(name, fontsize=9, color=KINDS[name])
+    for ax, name in zip(axes[0], COMPARED_MODELS, strict=False):
+        ax.set_title(name, fontsize=9, color=MODEL_COLOURS[name])
     return figure, axes
 
 
@@ -71,7 +71,7 @@ def on_floor(figure: Figure, axes: np.ndarray, places: np.ndarray, values: list[
 def is_flat(places: np.ndarray) -> bool:
     """Whether places (n, 2) lie on a line along x or y."""
     wide = np.ptp(places, axis=0)
-    return bool(min(wide) <= FLAT * max(wide))
+    return bool(min(wide) <= FLAT_PATH_RATIO * max(wide))
 
 
 def named(residual: Residual) -> str:

@@ -11,7 +11,7 @@ import numpy as np
 from matplotlib.figure import Figure
 from matplotlib.ticker import NullFormatter
 
-from .drawing import KINDS, grid, is_flat, svg
+from .drawing import MODEL_COLOURS, grid, is_flat, svg
 from .law_figure import law_figure
 from .residual_figures import followed, on_the_floor, over_time, over_what_it_follows, pairs
 from .rollout_figure import rollout_figure
@@ -19,7 +19,7 @@ from .rollout_figure import rollout_figure
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
-BARS = {"before": "nominal", "refitted": "refitted", "after": "extended", "noise_floor": "noise alone"}
+GAP_BARS = {"before": "nominal", "refitted": "refitted", "after": "extended", "noise_floor": "noise alone"}
 
 
 def figures(diagnosis: Diagnosis) -> dict[str, str]:
@@ -46,10 +46,10 @@ def _drawn(found: Diagnosis) -> Iterator[tuple[str, Figure | None]]:
 def _gap(found: Diagnosis) -> Figure:
     figure, ((ax,),) = grid(1, 1, 2.0)
     horizons = found.gap.per_horizon
-    bars = [(key, label) for key, label in BARS.items() if found.effects or key != "after"]
+    bars = [(key, label) for key, label in GAP_BARS.items() if found.effects or key != "after"]
     for k, (key, label) in enumerate(bars):
         values = [1e3 * one[key] for one in horizons.values()]
-        ax.bar(np.arange(len(horizons)) + 0.2 * (k - 1.5), values, 0.18, label=label, color=KINDS[label])
+        ax.bar(np.arange(len(horizons)) + 0.2 * (k - 1.5), values, 0.18, label=label, color=MODEL_COLOURS[label])
     ax.set_xticks(np.arange(len(horizons)), [f"after {h}" for h in horizons])
     if any(0 < value < np.inf for one in horizons.values() for value in one.values()):
         ax.set_yscale("log")

@@ -12,15 +12,15 @@ from cartgrasp.frames import Array
 
 from ..search.laws import constant, row_values, variable_of
 from ..where.residual import finely
-from .drawing import KINDS, ZERO, on_floor, sides
+from .drawing import MODEL_COLOURS, ZERO_LINE_STYLE, on_floor, sides
 
 if TYPE_CHECKING:
     from ..findings.learned import LearnedLaw
     from .diagnosis import Diagnosis
 
-LEAST_UNIT = 0.3
+MIN_UNIT_EFFECT_RATIO = 0.3
 """Least effect of a law on a row, as a share of the largest: rows with less tell its force too badly to be drawn."""
-POINTS, MOST_DOTS = 400, 3000
+LAW_CURVE_POINTS, MAX_FIGURE_DOTS = 400, 3000
 
 
 def law_figure(found: Diagnosis) -> Figure:
@@ -30,20 +30,24 @@ def law_figure(found: Diagnosis) -> Figure:
     wheels = [wheel.y for wheel in found.final.cart.wheels if wheel.y]
     for row, law in zip(axes, laws, strict=True):
         at, force, told = asked_forces(found, law)
-        effect, unit, every = law.effect, law.effect.parameters[0].unit, slice(None, None, 1 + len(at) // MOST_DOTS)
+        effect, unit, every = (
+            law.effect,
+            law.effect.parameters[0].unit,
+            slice(None, None, 1 + len(at) // MAX_FIGURE_DOTS),
+        )
         if effect.knots_y:
             on_floor(figure, row, at[every], [force[every], (force - told)[every]], f"force ({unit})")
             continue
         at = at % effect.cycle if effect.cycle else at
-        curve = np.linspace(at.min(), at.max(), POINTS)
+        curve = np.linspace(at.min(), at.max(), LAW_CURVE_POINTS)
         value, std = law.curve(curve)
         for ax, dots in zip(row, (force, force - told), strict=True):
             ax.plot(at[every], dots[every], ".", ms=2, color="0.6")
-            ax.axhline(0, **ZERO)
+            ax.axhline(0, **ZERO_LINE_STYLE)
             there = " of the wheel" * (effect.of == "travelled_distance" and effect.lever in wheels)
             ax.set_xlabel(f"{variable_of(effect)}{there} ({law.unit}){', folded' if effect.cycle else ''}")
-        row[0].plot(curve, value, color=KINDS["extended"], lw=1.5)
-        row[0].fill_between(curve, value - std, value + std, color=KINDS["extended"], alpha=0.3, lw=0)
+        row[0].plot(curve, value, color=MODEL_COLOURS["extended"], lw=1.5)
+        row[0].fill_between(curve, value - std, value + std, color=MODEL_COLOURS["extended"], alpha=0.3, lw=0)
         row[0].set_ylabel(f"{effect.acts_on.replace('_', ' ')} ({unit})")
     return figure
 
@@ -58,7 +62,7 @@ def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array
     for balances, rest, own_at in zip(logs, left, at, strict=True):
         own = (balances.columns(model.cart, law.effect) @ law.effect.values)[:, last]
         unit = balances.columns(model.cart, constant(law.effect))[:, last, 0]
-        shown = np.abs(unit) >= LEAST_UNIT * np.abs(unit).max()
+        shown = np.abs(unit) >= MIN_UNIT_EFFECT_RATIO * np.abs(unit).max()
         parts.append((own_at[shown], ((rest[:, last] + own) / unit)[shown], (own / unit)[shown]))
     where, force, told = (np.concatenate(each) for each in zip(*parts, strict=True))
     return where, force, told

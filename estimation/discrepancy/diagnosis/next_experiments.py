@@ -20,18 +20,18 @@ from ...experiments.separation import Belief, Hands
 from ...weak_form.coordinates import jacobian
 from ..findings.rivals import rivals
 from ..search.candidates import amplitudes_of
-from ..search.gains import CONFUSABLE, WORTH, added, every_family
+from ..search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, added, every_family
 from ..search.model import Model
-from ..search.plausible import LEAST_SIZE, is_plausible
+from ..search.plausible import MIN_NAMED_SIZE_RATIO, is_plausible
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
-FORM = 0.01
+MODEL_ERROR_FRACTION = 0.01
 """Share of the wrench by which a model is wrong, as in rows (`rows.py`)."""
-MOST_TOLD = 4
+MAX_LISTED_NAMES = 4
 """Most names in a sentence: so many are told, the rest is counted."""
-ALIKE = 0.05
+INDISTINCT_SIGMAS = 0.05
 """Deviations: less rounds to nought."""
 NOTHING_OPEN = "nothing is undecided that another motion would tell"
 
@@ -97,7 +97,7 @@ def undecided(found: Diagnosis) -> Experiment | None:
 
 def _is_open(question: Question) -> bool:
     """Whether logs tell it, of usual size, by less than a name takes."""
-    return question.size == 1.0 and _nats(question.before) < WORTH
+    return question.size == 1.0 and _nats(question.before) < MIN_GAIN_NATS
 
 
 def _belief(model: Model) -> Belief:
@@ -126,7 +126,7 @@ def _nearly(found: Diagnosis) -> list[Effect]:
     """What the logs speak for, and was left out at the end, or withdrawn for what unseen stretches say."""
     last = found.steps[-1].attempts if found.steps and found.steps[-1].added is None else ()
     near = [step.added for step in found.steps if step.added is not None]
-    near += [one for one in last if one.model is not None and one.gain > CONFUSABLE]
+    near += [one for one in last if one.model is not None and one.gain > CONFUSABLE_NATS]
     effects = {one.key: one.candidate for one in near if isinstance(one.candidate, Effect)}
     has, wheels = {effect.key for effect in found.final.cart.effects}, found.final.cart.wheel_set
     return [e for key, e in effects.items() if key not in has and _is_seen(e) and is_plausible(e, wheels)]
@@ -148,9 +148,9 @@ def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, floa
 
 def unseen_size(effect: Effect, z: float) -> float:
     """Which size of an effect, whose usual one shows by z deviations, may be there unseen."""
-    if isinstance(effect, ConstraintEffect) or _nats(z) < WORTH:
+    if isinstance(effect, ConstraintEffect) or _nats(z) < MIN_GAIN_NATS:
         return 1.0
-    return max(math.sqrt(2.0 * CONFUSABLE) / z, LEAST_SIZE)
+    return max(math.sqrt(2.0 * CONFUSABLE_NATS) / z, MIN_NAMED_SIZE_RATIO)
 
 
 def _of_size(effect: Effect, size: float) -> Effect:
@@ -177,7 +177,7 @@ def _hands(found: Diagnosis) -> Hands:
     contacts = {arm: np.median(points, axis=0) for arm, points in known if len(points)}
     check = found.checks[0]
     noise = WrenchNoise(check.noise.force, check.noise.moment, check.rate)
-    return Hands(contacts, noise, check.noise.position, FORM)
+    return Hands(contacts, noise, check.noise.position, MODEL_ERROR_FRACTION)
 
 
 def _nats(z: float) -> float:
@@ -191,30 +191,30 @@ Pairs = dict[tuple[str, str], float]
 
 def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str]:
     """What the motion is for, what to do, and how well it tells; nothing where it tells nothing."""
-    apart = list(dict.fromkeys(name for pair, z in pairs.items() if _nats(z) >= CONFUSABLE for name in pair))
-    shown = [name for name, z in alone.items() if _nats(z) >= CONFUSABLE]
+    apart = list(dict.fromkeys(name for pair, z in pairs.items() if _nats(z) >= CONFUSABLE_NATS for name in pair))
+    shown = [name for name, z in alone.items() if _nats(z) >= CONFUSABLE_NATS]
     goals = [f"to tell {_listed(apart, 'and')} apart"] if apart else []
     goals += [f"to see whether there is {_listed(shown, 'or')}"] if shown else []
     if not goals:
         return []
-    least = min([z for z in pairs.values() if _nats(z) >= CONFUSABLE] + [alone[name] for name in shown])
+    least = min([z for z in pairs.values() if _nats(z) >= CONFUSABLE_NATS] + [alone[name] for name in shown])
     return [f"{', and '.join(goals)}: {proposal.says} (at least {least:.0f} standard deviations apart)"]
 
 
 def _told_of_little(proposal: Proposal) -> list[str]:
     """What the motion is for where all that it shows is less than usual, and what to do."""
     asked = zip(proposal.questions, proposal.deviations, strict=True)
-    little = [one.name for one, z in asked if one.size < 1.0 and _nats(z) >= CONFUSABLE]
+    little = [one.name for one, z in asked if one.size < 1.0 and _nats(z) >= CONFUSABLE_NATS]
     return [f"to see whether there is less than usual of {_listed(little, 'or')}: {proposal.says}"] if little else []
 
 
 def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
     """What it leaves open."""
     for (one, other), z in pairs.items():
-        if _nats(z) < CONFUSABLE:
-            how = f"they differ by {z:.1f} deviations" if z > ALIKE else "they act alike"
+        if _nats(z) < CONFUSABLE_NATS:
+            how = f"they differ by {z:.1f} deviations" if z > INDISTINCT_SIGMAS else "they act alike"
             yield f"no motion of this speed and length tells {one} from {other}: {how}"
-    hidden = [name for name, z in alone.items() if _nats(z) < CONFUSABLE]
+    hidden = [name for name, z in alone.items() if _nats(z) < CONFUSABLE_NATS]
     if hidden:
         yield f"no motion of this speed and length shows {_listed(hidden, 'or')}"
 
@@ -232,7 +232,11 @@ def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
 
 
 def _listed(names: list[str], link: str) -> str:
-    told = names if len(names) <= MOST_TOLD + 1 else [*names[:MOST_TOLD], f"{len(names) - MOST_TOLD} more"]
+    told = (
+        names
+        if len(names) <= MAX_LISTED_NAMES + 1
+        else [*names[:MAX_LISTED_NAMES], f"{len(names) - MAX_LISTED_NAMES} more"]
+    )
     return f" {link} ".join((", ".join(told[:-1]), told[-1])[len(told) < 2 :])
 
 

@@ -11,16 +11,16 @@ from typing import TYPE_CHECKING
 
 from ..findings.named import together, with_unit, words_of
 from ..findings.verdicts import verdict
-from ..log_check import EIGHTHS, LogCheck
-from ..where.residual import UNITS
+from ..log_check import HEADING_SECTORS, LogCheck
+from ..where.residual import RESIDUAL_UNITS
 from ..where.where import short
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
     from .report import Report
 
-POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
-STYLE = """
+CONTENT_SECURITY_POLICY = "default-src 'none'; style-src 'unsafe-inline'; base-uri 'none'; form-action 'none'"
+PAGE_STYLE = """
 :root { color-scheme: light; }
 body { font: 16px/1.5 system-ui, sans-serif; max-width: 60rem; margin: 2rem auto; padding: 0 1rem; color: #1c2430; }
 h1 { font-size: 1.4rem; } h2 { font-size: 1.1rem; margin-top: 2rem; } pre { background: #f1f5f9; padding: .5rem; }
@@ -32,15 +32,15 @@ svg { max-width: 100%; height: auto; }
 .wide { overflow-x: auto; }
 """
 ONE_STD = "(± one standard deviation)"
-OWN = {
+LOG_SPECIFIC_LAW_TEXTS = {
     "time": "The law of time counts by this log's clock: another log tells its own.",
     "travelled_distance": "The law of the way counts from where this log began: another log begins at another turn of "
     "a wheel, and tells its own.",
 }
 """What is said of laws that several logs share only if they begin alike."""
-COMMANDS = """cartgrasp discrepancy NEXT_LOG.csv --cart cart.yaml --out next
+NEXT_COMMANDS = """cartgrasp discrepancy NEXT_LOG.csv --cart cart.yaml --out next
 cartgrasp simulate --cart cart.yaml --path straight --out run"""
-WORDS = {
+SECTION_TEXTS = {
     "added": "The probability is that of the name, among all that was tried: on logs whose truth is known, so many "
     "such names are true. What is not told apart explains about as much, by more numbers. The gap is that of squared "
     "rollout errors above noise, which each closed when it was added, before all were fitted together.",
@@ -69,9 +69,9 @@ def page(report: Report, drawn: dict[str, str]) -> str:
     parts = [
         "<!doctype html>",
         '<html lang="en"><head><meta charset="utf-8">',
-        f'<meta http-equiv="Content-Security-Policy" content="{POLICY}">',
+        f'<meta http-equiv="Content-Security-Policy" content="{CONTENT_SECURITY_POLICY}">',
         '<meta name="viewport" content="width=device-width, initial-scale=1">',
-        f"<title>{name}: simulation against measurement</title><style>{STYLE}</style></head><body>",
+        f"<title>{name}: simulation against measurement</title><style>{PAGE_STYLE}</style></head><body>",
         f"<h1>{name}: simulation against measurement</h1><p>{logs}</p>",
         f'<p class="verdict">{html.escape(found.sentence)}</p>',
         *(f"<h2>{heading}</h2>\n{text}" for heading, text in _sections(found, drawn) if text),
@@ -108,16 +108,16 @@ def _next(found: Diagnosis) -> str:
         f"cart.yaml beside this page is {what}. Every command takes it. In this folder, the first of these holds it "
         "against your next log, and the second simulates it:"
     )
-    own = dict.fromkeys(OWN[law.of] for law in found.final.laws if law.of in OWN)
+    own = dict.fromkeys(LOG_SPECIFIC_LAW_TEXTS[law.of] for law in found.final.laws if law.of in LOG_SPECIFIC_LAW_TEXTS)
     first = "<p>Look at this first: where a sensor is wrong, so is all below.</p>" if found.warnings else ""
     words = found.next_experiment.words
-    drive = WORDS["drive"] if words else "Nothing is left open."
-    told = f"<p>{' '.join((*own, use))}</p><pre>{COMMANDS}</pre><p>{drive}</p>{_list(words)}"
+    drive = SECTION_TEXTS["drive"] if words else "Nothing is left open."
+    told = f"<p>{' '.join((*own, use))}</p><pre>{NEXT_COMMANDS}</pre><p>{drive}</p>{_list(words)}"
     return first + _list(found.warnings) + told
 
 
 def _drawn(drawn: dict[str, str], name: str) -> str:
-    return f"<p>{WORDS[name]}</p>{drawn[name]}" if name in drawn else ""
+    return f"<p>{SECTION_TEXTS[name]}</p>{drawn[name]}" if name in drawn else ""
 
 
 def _gap_table(found: Diagnosis) -> str:
@@ -146,7 +146,7 @@ def _effects(found: Diagnosis) -> str:
         names, alike = ", ".join(each.called for each in group), ", ".join(one.alike) or "-"
         rows.append([names, "\n".join(size), _chance(one.probability), alike, f"{100 * one.gap_share:.0f} %"])
     columns = ["effect", f"size {ONE_STD}", "probability", "not told apart from", "gap closed"]
-    return f"<p>{WORDS['added']}</p>{_table(columns, rows, 'text')}" if rows else "<p>Nothing.</p>"
+    return f"<p>{SECTION_TEXTS['added']}</p>{_table(columns, rows, 'text')}" if rows else "<p>Nothing.</p>"
 
 
 def _chance(probability: float) -> str:
@@ -163,13 +163,13 @@ def _impacts(found: Diagnosis) -> str:
     told = [(one.time, (*one.pose[:2], one.speed_before, one.speed_after)) for one in found.impacts]
     rows = [[f"{time:.2f}", *(f"{value:.3f}" for value in values)] for time, values in told]
     columns = ["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"]
-    return f"<p>{WORDS['impacts']}</p>" + _table(columns, rows) if rows else ""
+    return f"<p>{SECTION_TEXTS['impacts']}</p>" + _table(columns, rows) if rows else ""
 
 
 def _rest(found: Diagnosis) -> str:
     is_told = found.verdict in ("no_discrepancy", "explained")
     sizes = found.unexplained["size"].items()
-    rest = [f"{size:.2g} {UNITS[of]} of {of.replace('_', ' ')}" for of, size in sizes if size]
+    rest = [f"{size:.2g} {RESIDUAL_UNITS[of]} of {of.replace('_', ' ')}" for of, size in sizes if size]
     follows = [f"it may follow {words}" for words in found.unexplained["depends_on"]]
     none = "Nothing that stands out of the noise." if is_told else "Rollouts go astray, and rows do not tell of what."
     return _list([*rest, *follows], none)
@@ -189,7 +189,7 @@ def _parameters(found: Diagnosis) -> str:
 
 
 def _steps(found: Diagnosis) -> str:
-    parts = [f"<p>{WORDS['steps']}</p>"] if found.steps else []
+    parts = [f"<p>{SECTION_TEXTS['steps']}</p>"] if found.steps else []
     for i, step in enumerate(found.steps, 1):
         gains = ((one, f"{one.gain:.1f}" + (f" ± {one.error:.1f}" if one.error else "")) for one in step.attempts)
         rows = [[one.key, gain, verdict(step, one, found.final)] for one, gain in gains]
@@ -200,7 +200,7 @@ def _steps(found: Diagnosis) -> str:
 def _isolability(found: Diagnosis) -> str:
     rows = [[key, f"{one.z:.1f}", ", ".join(one.alike) or "-"] for key, one in found.isolability.items()]
     columns = ["effect of usual size", "stands out by", "looks like"]
-    return f"<p>{WORDS['isolability']}</p>{_table(columns, rows, 'text')}" if rows else ""
+    return f"<p>{SECTION_TEXTS['isolability']}</p>{_table(columns, rows, 'text')}" if rows else ""
 
 
 def _check_rows(check: LogCheck) -> list[list[str]]:
@@ -220,7 +220,7 @@ def _check_rows(check: LogCheck) -> list[list[str]]:
         ["way, turning", f"{check.distance:.1f} m, {check.turned:.1f} rad, {check.reversals} reversals"],
         ["time on the move", f"{100 * check.moving:.0f} %"],
         ["speeds (a tenth, half, nine tenths slower)", f"{speeds}, at most {check.fastest:.2f} m/s"],
-        ["headings", f"{check.headings} of {EIGHTHS} directions"],
+        ["headings", f"{check.headings} of {HEADING_SECTORS} directions"],
         ["accelerations (nineteen of twenty less)", hard],
     ]
 

@@ -17,23 +17,23 @@ from cartgrasp.frames import Array
 from ..search.laws import row_values, unit_of, variable_of
 from ..where.residual import Residual, fine_residuals, finely
 from ..where.residual_map import means, most_followed, variables
-from .drawing import BAND, KINDS, SIDES, ZERO, named, on_floor, sides
+from .drawing import BAND_STYLE, COMPARED_MODELS, MODEL_COLOURS, ZERO_LINE_STYLE, named, on_floor, sides
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
 Pair = tuple[Residual, ...]
 """What the refitted model leaves of one coordinate, and, where anything was added, what the extended one leaves."""
-MOST_ROWS = 1500
+MAX_DRAWN_ROWS = 1500
 """Most rows of a log that is drawn row by row, else by means; and most dots."""
-CLOSER, WORST, PERIODS = 10.0, 1.0, 8
+CLOSEUP_INTERVAL, WORST_INTERVAL, MAX_CLOSEUP_PERIODS = 10.0, 1.0, 8
 """Durations (s) of a closer look, and of the worst that it is about. Periods that it shows of what repeats in time,
 where these are shorter."""
-LEAST_FOLLOWED = 0.3
+MIN_DRAWN_FRACTION = 0.3
 """Least share of the disagreement that goes along with a variable which is drawn."""
-FOLDED = 12
+BINS_PER_PERIOD = 12
 """Bins of a period."""
-CUT = 99.8
+CLIPPING_PERCENTILE = 99.8
 """Percentile: what is larger is cut off."""
 
 
@@ -55,7 +55,7 @@ def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
     k = max(range(len(names)), key=lambda k: float(worst.beyond[logs == k].sum()))
     figure, axes = sides(len(shown) + 1, len(shown[0][0]), 1.6)
     for row, (fine, coarse) in zip(axes, shown, strict=False):
-        _draw(row, fine if (logs == k).sum() <= MOST_ROWS else coarse, k)
+        _draw(row, fine if (logs == k).sum() <= MAX_DRAWN_ROWS else coarse, k)
     _draw(axes[-1], shown[0][0], k, _closer(found, worst, k))
     name = f" of {Path(names[k]).name}" if len(names) > 1 else ""
     for upper, ax in zip(axes[-2], axes[-1], strict=True):
@@ -65,28 +65,28 @@ def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
 
 
 def _draw(axes: Sequence[Axes], pair: Pair, k: int, window: tuple[float, float] = (-np.inf, np.inf)) -> None:
-    for ax, residual, name in zip(axes, pair, SIDES, strict=False):
+    for ax, residual, name in zip(axes, pair, COMPARED_MODELS, strict=False):
         own = (residual.circumstances.log == k) & (residual.start >= window[0]) & (residual.start <= window[1])
         time = residual.circumstances.time[own]
-        ax.fill_between(time, -residual.std[own], residual.std[own], **BAND)
-        ax.plot(time, residual.value[own], color=KINDS[name], lw=0.7)
-        ax.axhline(0, **ZERO)
+        ax.fill_between(time, -residual.std[own], residual.std[own], **BAND_STYLE)
+        ax.plot(time, residual.value[own], color=MODEL_COLOURS[name], lw=0.7)
+        ax.axhline(0, **ZERO_LINE_STYLE)
         ax.margins(x=0.01)
     axes[0].set_ylabel(named(pair[0]))
     _cut(axes[0], pair)
 
 
 def _cut(ax: Axes, pair: Pair) -> None:
-    top = 1.15 * max(float(np.percentile(np.abs(one.value), CUT)) for one in pair)
+    top = 1.15 * max(float(np.percentile(np.abs(one.value), CLIPPING_PERCENTILE)) for one in pair)
     ax.set_ylim(-top, top)
 
 
 def _closer(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
     """Begin and end of a closer look (s): so many periods of what repeats in time, else some seconds."""
     periods = [law.period for law in (*found.final.laws, *found.withdrawn) if law.of == "time" and law.period]
-    long = min(CLOSER, PERIODS * min(periods, default=CLOSER))
+    long = min(CLOSEUP_INTERVAL, MAX_CLOSEUP_PERIODS * min(periods, default=CLOSEUP_INTERVAL))
     own = worst.circumstances.log == k
-    inside = max(round(WORST / worst.duration), 1)
+    inside = max(round(WORST_INTERVAL / worst.duration), 1)
     middle = float(worst.start[own][int(np.argmax(uniform_filter1d(worst.beyond[own], inside, mode="constant")))])
     first, last = worst.start[own][[0, -1]]
     begin = float(np.clip(middle - long / 2, first, max(last - long, first)))
@@ -110,7 +110,7 @@ def followed(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[F
     maps = {(one.coordinate, one.variable): (one.refitted, one.extended) for one in found.residual_maps}
     for fine, coarse in shown:
         share, best = most_followed(coarse[0], but="time")
-        if found.disagrees and share > LEAST_FOLLOWED and best:
+        if found.disagrees and share > MIN_DRAWN_FRACTION and best:
             values = variables(fine[0].circumstances)[best.variable, best.unit]
             means = tuple((one.at, one.mean, one.std) for one in maps[coarse[0].coordinate, best.variable])
             yield Followed(fine, f"{best.variable} ({best.unit})", values, means)
@@ -122,7 +122,7 @@ def followed(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[F
 
 def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
     for residual in pair:
-        at, mean, _ = means(residual, values, np.linspace(0.0, values.max(), FOLDED + 1))
+        at, mean, _ = means(residual, values, np.linspace(0.0, values.max(), BINS_PER_PERIOD + 1))
         yield at, mean, None
 
 
@@ -130,11 +130,11 @@ def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
     """Figure of rows as dots, and their means in bins."""
     figure, axes = sides(len(rows), len(rows[0].pair), 2.2)
     for one, row in zip(rows, axes, strict=True):
-        every = slice(None, None, 1 + len(one.values) // MOST_ROWS)
-        for ax, residual, (at, mean, std), name in zip(row, one.pair, one.means, SIDES, strict=False):
+        every = slice(None, None, 1 + len(one.values) // MAX_DRAWN_ROWS)
+        for ax, residual, (at, mean, std), name in zip(row, one.pair, one.means, COMPARED_MODELS, strict=False):
             ax.plot(one.values[every], residual.value[every], ".", ms=2, color="0.7")
-            ax.errorbar(at, mean, std, fmt=".-", lw=1.0, ms=5, color=KINDS[name])
-            ax.axhline(0, **ZERO)
+            ax.errorbar(at, mean, std, fmt=".-", lw=1.0, ms=5, color=MODEL_COLOURS[name])
+            ax.axhline(0, **ZERO_LINE_STYLE)
             ax.set_xlabel(one.words)
         row[0].set_ylabel(named(one.pair[0]))
         _cut(row[0], one.pair)

@@ -14,16 +14,16 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
 from ..findings.driven import Driven
-from ..findings.held_out import FOLDS, fold_carts, fold_starts
+from ..findings.held_out import HELD_OUT_FOLDS, fold_carts, fold_starts
 from ..findings.rollouts import HORIZONS, rolled_out, rollouts
-from .drawing import KINDS, grid
+from .drawing import MODEL_COLOURS, grid
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
-EVERY = 5
+STEPS_PER_CURVE_POINT = 5
 """Steps of the grid from point to point of a curve."""
-LAST = -1
+DRAWN_HORIZON_INDEX = -1
 """Index of the horizon that is as long as a stretch is drawn."""
 
 
@@ -39,7 +39,7 @@ class Stretch:
 
 def rollout_figure(found: Diagnosis) -> Figure | None:
     """Figure with a row for each stretch; None where no stretch is long enough."""
-    carts = {"nominal": [found.nominal.guess] * FOLDS, "refitted": fold_carts(found.nominal)}
+    carts = {"nominal": [found.nominal.guess] * HELD_OUT_FOLDS, "refitted": fold_carts(found.nominal)}
     carts |= {"extended": fold_carts(found.final)} if found.effects else {}
     known = [
         Stretch(balances, k, int(row), float(error))
@@ -67,12 +67,12 @@ def rollout_figure(found: Diagnosis) -> Figure | None:
 
 def _astray(balances: Balances, cart: CartModel, first: np.ndarray) -> Array:
     """How far (starts,), m, a cart is astray in the end."""
-    return np.asarray(np.hypot(*rollouts(balances, cart, first).error[:, LAST, :2].T))
+    return np.asarray(np.hypot(*rollouts(balances, cart, first).error[:, DRAWN_HORIZON_INDEX, :2].T))
 
 
 def _draw(row: np.ndarray, stretch: Stretch, carts: dict[str, CartModel]) -> None:
     motion = stretch.balances.motion
-    after = np.arange(0, round(HORIZONS[LAST] / motion.step) + 1, EVERY)
+    after = np.arange(0, round(HORIZONS[DRAWN_HORIZON_INDEX] / motion.step) + 1, STEPS_PER_CURVE_POINT)
     time = motion.time[stretch.first + after] - motion.time[stretch.first]
     for name, cart in carts.items():
         true, driven = motion.of_body(cart).pose[stretch.first + after], Driven.of(stretch.balances, cart)
@@ -81,7 +81,7 @@ def _draw(row: np.ndarray, stretch: Stretch, carts: dict[str, CartModel]) -> Non
         if name == "nominal":
             _rates(row, time, true, "measured")
         _rates(row, time, pose, name)
-        row[-1].plot(time, 1e3 * np.hypot(*(pose - true)[:, :2].T), color=KINDS[name], lw=1.2, label=name)
+        row[-1].plot(time, 1e3 * np.hypot(*(pose - true)[:, :2].T), color=MODEL_COLOURS[name], lw=1.2, label=name)
     for ax, words in zip(row[:-1], ("forward speed (m/s)", "yaw rate (rad/s)"), strict=False):
         ax.set_ylabel(words)
     row[-1].set_ylabel("astray (mm)")
@@ -94,4 +94,4 @@ def _rates(row: np.ndarray, time: Array, pose: Array, name: str) -> None:
     heading = pose[:-1, 2] + turned / 2
     forward = np.cos(heading) * np.diff(pose[:, 0]) + np.sin(heading) * np.diff(pose[:, 1])
     for ax, rate in zip(row[:-1], (forward, turned), strict=False):
-        ax.plot(middle, rate / step, color=KINDS[name], lw=2.2 if name == "measured" else 1.2, label=name)
+        ax.plot(middle, rate / step, color=MODEL_COLOURS[name], lw=2.2 if name == "measured" else 1.2, label=name)

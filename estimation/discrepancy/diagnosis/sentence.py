@@ -8,13 +8,13 @@ from cartgrasp.effects import Effect
 
 from ..findings.named import together, words_of
 from ..findings.verdicts import called, verdict
-from ..search.gains import CONFUSABLE
+from ..search.gains import CONFUSABLE_NATS
 
 if TYPE_CHECKING:
     from ..findings.gap import Gap
     from .diagnosis import Diagnosis
 
-REFITTED = 2.0
+REFIT_IMPROVEMENT_RATIO = 2.0
 """Factor by which a refit shrinks the error of rollouts, from which on it is told that it does."""
 
 
@@ -32,7 +32,7 @@ def _of_model(found: Diagnosis) -> str:
     if not found.is_moved:
         return f"Nothing moves, so nothing is learned and the file's values stay; {floor}."
     if found.verdict == "no_discrepancy":
-        if gap.before > REFITTED * max(gap.refitted, gap.noise_floor):
+        if gap.before > REFIT_IMPROVEMENT_RATIO * max(gap.refitted, gap.noise_floor):
             refitted += f" ({1e3 * gap.before:.1f} mm with the file's)"
             return f"With the parameters refitted, simulation and measurement agree: {refitted}, and {floor}."
         return f"Simulation and measurement agree: {refitted}, and {floor}."
@@ -55,7 +55,7 @@ def _likeliest(found: Diagnosis) -> str:
     """What came nearest to being named."""
     left = [one for step in found.steps[-1:] for one in step.attempts if isinstance(one.candidate, Effect)]
     best = max(left, key=lambda one: one.gain, default=None)
-    if best is None or best.gain < CONFUSABLE:
+    if best is None or best.gain < CONFUSABLE_NATS:
         return ""
     return f" Nearest comes {called(best)} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
 

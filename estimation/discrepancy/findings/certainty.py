@@ -23,31 +23,31 @@ from ...weak_form.coordinates import bounds, coordinates, with_coordinates
 from ...weak_form.score import Score
 from ..search.gains import absent, added
 from ..search.laws import Law
-from ..search.model import FORM_LEVER, Model
+from ..search.model import FORCE_LEVER_STD, Model
 from ..search.refine import is_open, moves, refined
 from ..search.screening import Screen
 from .learned import LearnedLaw, learned
 from .soft_push import begun_earlier, soft_gain, with_impulse_of
 from .told_mass import told_mass
 
-TAUGHT = 0.25
+IDENTIFIED_STD_RATIO = 0.25
 """Share of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
-MOST_MOVED = 1.0
+MAX_LOG_MASS_CHANGE = 1.0
 """Largest change of the mass's logarithm: what goes farther with the middle of a bracket is no linear matter any
 more."""
-FAINT = 6.0
+NEGLIGIBLE_NATS = 6.0
 """Nats below the best: what is less likely counts for nothing."""
-DOUBLINGS, POINTS = 9, 17
-LEAST_TIME, LEAST_PLACE, FORM_SHARE = 0.005, 0.02, 0.05
+MAX_RANGE_DOUBLINGS, SETTING_GRID_POINTS = 9, 17
+MIN_TIME_STD, MIN_PLACE_STD, LENGTH_FORM_FRACTION = 0.005, 0.02, 0.05
 """Least standard deviations: half a sample (s); what an edge is (m); and the share of a length that its effect's form
 leaves open."""
-LEAST_LEFT = 0.05
+MIN_RESIDUAL_FRACTION = 0.05
 """Least share of a stretch's residual that a fit leaves: what it tells alone scatters no more."""
-PERIOD_STEP = 1e-4
+PERIOD_STEP_FRACTION = 1e-4
 """Share of a period with which a search for how well it is known begins."""
-SETTING_STEP, RELATIVE_STEP = {"s": 0.02, "m": 0.02}, 0.02
+SETTING_STEP, RELATIVE_SETTING_STEP = {"s": 0.02, "m": 0.02}, 0.02
 """Steps of differences by a setting: by its unit, else as a share of its value."""
-SIZE_SHARE = 0.02
+SIZE_FORM_FRACTION = 0.02
 """Share of an effect's size that its form leaves open, which no length of a log makes less."""
 
 
@@ -81,7 +81,9 @@ class Certainty:
         if not self.model.prior.free[0]:
             return 0.0 * score.fit
         along = score.covariance[:, 0] / score.covariance[0, 0]
-        return np.asarray(along * np.clip(self._mass[0] - coordinates(self.model.cart)[0], -MOST_MOVED, MOST_MOVED))
+        return np.asarray(
+            along * np.clip(self._mass[0] - coordinates(self.model.cart)[0], -MAX_LOG_MASS_CHANGE, MAX_LOG_MASS_CHANGE)
+        )
 
     @cached_property
     def laws(self) -> tuple[tuple[str, LearnedLaw], ...]:
@@ -105,7 +107,7 @@ class Certainty:
         def gain(distance: float) -> float:
             return screen.of_law(law.repeating(period + distance)) if period + distance > period / 2 else -np.inf
 
-        return _spread(gain, PERIOD_STEP * period)
+        return _spread(gain, PERIOD_STEP_FRACTION * period)
 
     def _with_spans(self, cart: CartModel) -> CartModel:
         """The cart with pushes that begin and end where they most likely do."""
@@ -140,7 +142,9 @@ class Certainty:
         model, found = self.model, dict[str, tuple[Array, float]]()
         for effect in (one for one in self._new if not isinstance(one, SensorEffect)):
             for which in dict.fromkeys(move.which for move in moves(effect)):
-                step = SETTING_STEP.get(effect.parameters[which].unit, RELATIVE_STEP * abs(float(effect.values[which])))
+                step = SETTING_STEP.get(
+                    effect.parameters[which].unit, RELATIVE_SETTING_STEP * abs(float(effect.values[which]))
+                )
                 ends = [effect.values + share * step * np.eye(len(effect.values))[which] for share in (-1.0, 1.0)]
                 if step and all(is_open(effect, end) for end in ends):
                     bare = model.cart.without_effect(effect.key)
@@ -177,7 +181,7 @@ class Certainty:
         scale = np.ones(len(values))
         scale[[0, 3]] = body.mass, body.about_com
         usual = np.minimum(Prior().deviations(cart), prior.std * scale)
-        taught = prior.free & (std * scale < TAUGHT * usual) & ~self._at_bound
+        taught = prior.free & (std * scale < IDENTIFIED_STD_RATIO * usual) & ~self._at_bound
         rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
         return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
 
@@ -188,7 +192,7 @@ class Certainty:
         for effect in self.cart.effects:
             for parameter, value in zip(effect.parameters, effect.values.tolist(), strict=True):
                 is_new = effect.key not in known and parameter.estimated
-                found.append(SIZE_SHARE * abs(value - parameter.absent) if is_new else 0.0)
+                found.append(SIZE_FORM_FRACTION * abs(value - parameter.absent) if is_new else 0.0)
         return np.array(found)
 
     @property
@@ -204,7 +208,7 @@ class Certainty:
         prior = self.model.prior
         first = int(prior.free.sum())
         for i, constraint in enumerate(self.model.cart.constraint_effects):
-            share = float(np.hypot(np.sqrt(self.covariance[first + i, first + i]), SIZE_SHARE))
+            share = float(np.hypot(np.sqrt(self.covariance[first + i, first + i]), SIZE_FORM_FRACTION))
             found[constraint.keys[0]] = share * abs(float(constraint.values[0]))
         for _, own in self._set.values():
             found |= own
@@ -230,10 +234,14 @@ class Certainty:
             size = 0.02 * abs(float(effect.values[which])) if unit not in ("s", "m") else 0.01
             alone = _spread(partial(_gain_at, gain, none, which), size)
             spread = max(alone, self._joint[1].get(effect.keys[which], 0.0))
-            least = {"s": LEAST_TIME, "m": LEAST_PLACE}.get(unit, 0.0)
+            least = {"s": MIN_TIME_STD, "m": MIN_PLACE_STD}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
-                least = FORM_LEVER if name in "xy" else min(least, FORM_SHARE * abs(float(effect.values[which])))
+                least = (
+                    FORCE_LEVER_STD
+                    if name in "xy"
+                    else min(least, LENGTH_FORM_FRACTION * abs(float(effect.values[which])))
+                )
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return effect, found
 
@@ -250,7 +258,7 @@ def sandwich(sums: Array, score: Score, groups: np.ndarray) -> Array:
         own = groups == group
         share, axes = np.linalg.eigh(root.T @ kept[own, :q, :q].sum(axis=0) @ root)
         pull = axes.T @ root.T @ pulls[own].sum(axis=0)
-        steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, LEAST_LEFT))))
+        steps.append(root @ axes @ (pull / np.sqrt(np.maximum(1.0 - share, MIN_RESIDUAL_FRACTION))))
     scatter = np.array(steps).T @ np.array(steps)
     stretch = np.sqrt(np.maximum(np.diagonal(scatter) / np.diagonal(score.covariance), 1.0))
     return np.asarray(score.covariance * np.outer(stretch, stretch))
@@ -269,13 +277,13 @@ def _spread(gain: Callable[[float], float], size: float) -> float:
     best = gain(0.0)
 
     def reach(step: float) -> float:
-        for _ in range(DOUBLINGS):
-            if gain(step) < best - FAINT:
+        for _ in range(MAX_RANGE_DOUBLINGS):
+            if gain(step) < best - NEGLIGIBLE_NATS:
                 break
             step *= 2
         return step
 
-    offsets = np.linspace(reach(-size), reach(size), POINTS)
+    offsets = np.linspace(reach(-size), reach(size), SETTING_GRID_POINTS)
     gains = np.array([gain(offset) for offset in offsets])
     likely = np.exp(gains - max(best, gains.max()))
     total = float(likely.sum())

@@ -19,22 +19,22 @@ from ...log_noise.log_noise import MAD_TO_STD
 from ...weak_form.balances import Balances, wrench_densities
 from ...weak_form.rows import motion_noise, wrench_noise
 
-ROW_STEP = 0.2
+FAST_NOISE_ROW_STEP = 0.2
 """Step (s) of the rows: their third differences pass 1.2 to 2.3 Hz."""
-THIRD = np.array([-1.0, 3.0, -3.0, 1.0])
-MOST = 3.0
+THIRD_DIFFERENCE = np.array([-1.0, 3.0, -3.0, 1.0])
+MAX_FAST_NOISE_RATIO = 3.0
 """Largest multiple of the sensors' own noise, as differences of samples tell it: of noise that remembers for 50 ms
 (exponentially, at 100 Hz). What is louder is none of a sensor's."""
-FEWEST = 20
+MIN_FAST_NOISE_DIFFERENCES = 20
 """Fewest differences that tell their usual size."""
 
 
 def fast_noise(balances: Balances, cart: CartModel) -> Array:
     """Root of the density (f,; N/√Hz, N·m/√Hz) of the reduced wrench's noise: at least what differences of samples
     tell."""
-    known, rows = wrench_noise(balances, cart), balances.every(ROW_STEP)
+    known, rows = wrench_noise(balances, cart), balances.every(FAST_NOISE_ROW_STEP)
     following = rows.used[3:] - rows.used[:-3] == 3
-    if following.sum() < FEWEST:
+    if following.sum() < MIN_FAST_NOISE_DIFFERENCES:
         return known
     f = len(known)
     differences = np.diff(rows.residual(cart)[0][:, :f], 3, axis=0)[following]
@@ -42,11 +42,17 @@ def fast_noise(balances: Balances, cart: CartModel) -> Array:
     variance = (MAD_TO_STD * np.median(np.abs(differences), axis=0)) ** 2 - moved**2 * _passed(rows, order)
     samples = replace(balances, wrench_densities=wrench_densities(balances.log, balances.told, averaged=(0.0,)))
     least = wrench_noise(samples, cart)
-    return np.asarray(np.clip(np.sqrt(np.maximum(variance / _passed(rows, 0), 0.0)), least, MOST * known))
+    return np.asarray(
+        np.clip(np.sqrt(np.maximum(variance / _passed(rows, 0), 0.0)), least, MAX_FAST_NOISE_RATIO * known)
+    )
 
 
 def _passed(balances: Balances, order: int) -> float:
     """Variance of a third difference of rows, of white noise through a derivative of the test functions."""
     return float(
-        sum(a * b * balances.overlap(order, abs(i - j)) for i, a in enumerate(THIRD) for j, b in enumerate(THIRD))
+        sum(
+            a * b * balances.overlap(order, abs(i - j))
+            for i, a in enumerate(THIRD_DIFFERENCE)
+            for j, b in enumerate(THIRD_DIFFERENCE)
+        )
     )

@@ -14,11 +14,11 @@ from ..search.model import Model
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .rollouts import HORIZONS, starts
 
-BEYOND_NOISE = 2.0
+DISAGREEMENT_NOISE_RATIO = 2.0
 """Multiple of what noise alone makes of rollouts: a larger gap is a disagreement."""
-CLOSED = 0.05
+MAX_GAP_LEFT_FRACTION = 0.05
 """Share of the squared gap above the noise floor that may be left where it is explained."""
-COORDINATES = ("along", "across", "heading")
+GAP_COORDINATES = ("along", "across", "heading")
 
 
 @dataclass(frozen=True)
@@ -77,7 +77,7 @@ def measured_gap(nominal: Model, final: Model) -> Gap:
         names = ", ".join(balances.name for balances in nominal.logs)
         raise DataError(f"{names}: simulations run away from it; look for numbers that are not in SI units")
     by = {name: one.by_coordinate()[1].tolist() for name, one in rolled.items()}
-    by_coordinate = {c: {name: each[i] for name, each in by.items()} for i, c in enumerate(COORDINATES)}
+    by_coordinate = {c: {name: each[i] for name, each in by.items()} for i, c in enumerate(GAP_COORDINATES)}
     return Gap(**horizons["1 s"], per_coordinate=by_coordinate, per_horizon=horizons)
 
 
@@ -85,5 +85,5 @@ def _at_rest(model: Model) -> Gap:
     std = np.max([balances.motion.noise.pose for balances in model.logs], axis=0)
     names = ("before", "refitted", "after", "noise_floor")
     alike = dict.fromkeys(names, float(np.hypot(std[0], std[1])))
-    by = {c: dict.fromkeys(names, float(s)) for c, s in zip(COORDINATES, std, strict=True)}
+    by = {c: dict.fromkeys(names, float(s)) for c, s in zip(GAP_COORDINATES, std, strict=True)}
     return Gap(**alike, per_coordinate=by, per_horizon={"1 s": alike})

@@ -22,10 +22,10 @@ from .fast_noise import fast_noise
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
 from .told_mass import told_mass
 
-FOLDS = 3
+HELD_OUT_FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""
-DRAWS = 3
-MOST_MOVED = 1.0
+NOISE_DRAWS = 3
+MAX_LOG_INERTIA_CHANGE = 1.0
 """Largest change of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 
 
@@ -57,7 +57,7 @@ def held_out_rollouts(model: Model) -> Rollouts:
 
 def fold_carts(model: Model) -> list[CartModel]:
     """The cart as it is fitted without each fold."""
-    return [_without(model, fold) for fold in range(FOLDS)]
+    return [_without(model, fold) for fold in range(HELD_OUT_FOLDS)]
 
 
 def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
@@ -65,14 +65,14 @@ def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
     for balances, own in _row_folds(model):
         first = starts(balances)
         fold = _folds_at(balances.motion.time[first] + HORIZONS[1] / 2, balances, own)
-        yield from ((balances, k, first[fold == k]) for k in range(FOLDS) if (fold == k).any())
+        yield from ((balances, k, first[fold == k]) for k in range(HELD_OUT_FOLDS) if (fold == k).any())
 
 
 def _row_folds(model: Model) -> Iterator[tuple[Balances, np.ndarray]]:
     """Each log, with the fold of each of its rows (k,)."""
     ends = np.cumsum([len(balances.used) for balances in model.logs])[:-1]
     for balances, block in zip(model.logs, np.split(model.folds.block, ends), strict=True):
-        yield balances, model.folds.stretches[block] % FOLDS
+        yield balances, model.folds.stretches[block] % HELD_OUT_FOLDS
 
 
 def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
@@ -88,14 +88,14 @@ def floor_rollouts(model: Model) -> Rollouts:
     generator, found, whole = np.random.default_rng(0), [], model.whole
     for balances in model.logs:
         noise = fast_noise(balances, whole)
-        found.append(noise_rollouts(balances, model.cart, noise, generator, DRAWS))
+        found.append(noise_rollouts(balances, model.cart, noise, generator, NOISE_DRAWS))
     return joined(found)
 
 
 def _without(model: Model, fold: int) -> CartModel:
     """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is."""
     z, q, free = coordinates(model.cart), len(model.prior_std), np.flatnonzero(model.prior.free)
-    kept = model.sums[:, model.folds.stretches % FOLDS != fold].sum(axis=1)
+    kept = model.sums[:, model.folds.stretches % HELD_OUT_FOLDS != fold].sum(axis=1)
     joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
     information, here = joint[:q, :q] + np.diag(model.prior_std**-2.0), np.zeros(q)
     here[: len(free)] = model.moved
@@ -105,9 +105,11 @@ def _without(model: Model, fold: int) -> CartModel:
     if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
         mass = float(z[0] + step[0])
         more = told_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
-        step[own] += covariance[:, 0] / covariance[0, 0] * np.clip(more, -MOST_MOVED, MOST_MOVED)
+        step[own] += (
+            covariance[:, 0] / covariance[0, 0] * np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE)
+        )
     far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
-    step /= max(far / MOST_MOVED, 1.0)
+    step /= max(far / MAX_LOG_INERTIA_CHANGE, 1.0)
     z[free] += step[: len(free)]
     cart = with_coordinates(model.cart, z)
     sizes = zip(model.cart.constraint_effects, step[len(free) :], strict=False)

@@ -21,11 +21,11 @@ from cartgrasp.frames import Array
 from ..search.candidates import families
 from ..search.model import Model
 
-ALIKE = 0.95
+CONFUSABLE_CORRELATION = 0.95
 """Canonical correlation above which two effects look alike."""
-PARALLEL = 3e-5
+TRACE_RANK_TOLERANCE = 3e-5
 """Share of a trace's largest direction: less than that is rounding."""
-SHOWN = 3.0
+SHOWN_SIGMAS = 3.0
 """Deviations by which an effect that is shown stands out at least."""
 
 
@@ -39,11 +39,11 @@ class Isolability:
 
     @property
     def alike(self) -> tuple[str, ...]:
-        return tuple(key for key, likeness in self.likeness.items() if likeness > ALIKE)
+        return tuple(key for key, likeness in self.likeness.items() if likeness > CONFUSABLE_CORRELATION)
 
     @property
     def is_shown(self) -> bool:
-        return self.z >= SHOWN
+        return self.z >= SHOWN_SIGMAS
 
     def as_dict(self) -> dict[str, Any]:
         return {"z": self.z, "alike": list(self.alike), "likeness": dict(self.likeness)}
@@ -74,7 +74,7 @@ def compared(base: Array, prior: Array, traces: Sequence[tuple[str, Array]]) -> 
         left = whole - taken @ (taken.T @ whole)
         z = float(np.linalg.norm(left, axis=0).max())
         if key not in chosen or z > chosen[key][0]:
-            chosen[key] = z, orth(left, rcond=PARALLEL)
+            chosen[key] = z, orth(left, rcond=TRACE_RANK_TOLERANCE)
     pairs = combinations(chosen.items(), 2)
     alike = {frozenset((a, b)): _correlation(here, there) for (a, (_, here)), (b, (_, there)) in pairs}
     return {

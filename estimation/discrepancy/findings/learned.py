@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.motion import Motion
 from ..search.laws import Law, labelled, seen_values, unit_of, variable_of
 
-FORCES = {
+FORCE_PHRASES = {
     "forward_force": "a forward force",
     "lateral_force": "a sideways force",
     "yaw_moment": "a yaw moment",
@@ -25,8 +25,8 @@ FORCES = {
     "viscous_drag": "a drag in proportion to speed",
     "world_force": "a force",
 }
-OF_TIME = {"world_force": "wind that grows", "forward_force": "a force sensor whose zero drifts, or a tether"}
-USUAL = {
+TIME_LAW_CAUSES = {"world_force": "wind that grows", "forward_force": "a force sensor whose zero drifts, or a tether"}
+VARIABLE_LAW_CAUSES = {
     "travelled_distance": "a floor or a wheel that changes along the way",
     "place": "a tether, a ramp or a floor that changes",
     "speed": "air, a churned liquid, or bearings at speed",
@@ -34,10 +34,10 @@ USUAL = {
     "since_reversal": "casters that swing round, or play that is taken up",
 }
 """What usually makes a law that does not repeat."""
-TURN = 2 * np.pi
-FINE = 1000
+FULL_TURN = 2 * np.pi
+SLOPE_STEPS_PER_PERIOD = 1000
 """Share of a period over which slopes are taken."""
-WALK = (0.4, 1.1)
+WALKING_PERIODS = (0.4, 1.1)
 """Times (s) from step to step of a person who walks."""
 
 
@@ -79,7 +79,7 @@ class LearnedLaw:
         shares = self.effect.shares(at)
         variance = np.maximum(np.einsum("na,ab,nb->n", shares, self.covariance, shares), 0.0)
         if self.effect.period:
-            step = self.effect.period / FINE
+            step = self.effect.period / SLOPE_STEPS_PER_PERIOD
             change = (self.effect.shares(at + step) - self.effect.shares(at - step)) @ self.effect.values / 2.0
             variance += (change / step * self.period_std * self.seen.std() / self.effect.period) ** 2
         return shares @ self.effect.values, np.sqrt(variance)
@@ -118,7 +118,7 @@ class LearnedLaw:
             where = self._towards
         if effect.lever and effect.acts_on in LEVER_TARGETS:
             where = f" {self._side}"
-        return FORCES[effect.acts_on] + where
+        return FORCE_PHRASES[effect.acts_on] + where
 
     @property
     def _of_wheel(self) -> str:
@@ -151,11 +151,11 @@ class LearnedLaw:
         effect, period = self.effect, self.effect.period
         if effect.of == "travelled_distance" and period:
             wheel = f"the wheel {self._side}" if effect.lever else "a wheel"
-            size = f"of radius {1e3 * period / TURN:.0f} mm: {period:.3g} m a turn"
+            size = f"of radius {1e3 * period / FULL_TURN:.0f} mm: {period:.3g} m a turn"
             yield f"a flat spot, a bent rim or dirt on {wheel} {size}"
         elif effect.of == "time" and period:
             yield f"a second drive, a pump or a motor at {1 / period:.3g} Hz"
-            if WALK[0] <= period <= WALK[1]:
+            if WALKING_PERIODS[0] <= period <= WALKING_PERIODS[1]:
                 yield f"the steps of a person ({60 / period:.0f} a minute)"
         elif effect.of == "place" and period:
             yield f"seams or ridges of the floor, {period:.3g} m apart"
@@ -164,9 +164,9 @@ class LearnedLaw:
         elif effect.of == "heading":
             yield "the grain of the floor, or a carpet's pile" if "drag" in effect.acts_on else "wind, or a slope"
         elif effect.of == "time":
-            yield OF_TIME.get(effect.acts_on, "bearings that warm")
+            yield TIME_LAW_CAUSES.get(effect.acts_on, "bearings that warm")
         else:
-            yield USUAL[effect.of]
+            yield VARIABLE_LAW_CAUSES[effect.of]
 
     def as_dict(self) -> dict[str, Any]:
         """The law as a report has it."""

@@ -16,24 +16,24 @@ from cartgrasp.model import CartModel
 from ...impacts.end_stops import StopEstimate
 from ..search.attempts import Attempt, Step
 from ..search.candidates import free_label
-from ..search.gains import WORTH, added
+from ..search.gains import MIN_GAIN_NATS, added
 from ..search.model import Model
 from .certainty import Certainty
 from .learned import LearnedLaw
 from .rivals import rivals
 from .verdicts import called
 
-SURE = 2.0
+PRESENT_SIGMAS = 2.0
 """Standard deviations from which on a value is there."""
-TRUE_AT, TRUE_BY, TRUE_BESIDE = 3.2, 0.8, 0.7
+NAME_BASE_LOG_ODDS, NAME_GAIN_SLOPE, NAME_LARGEST_GAIN_SLOPE = 3.2, 0.8, 0.7
 """Log odds that a name is true, but for its rivals: where it gains the nats that a name is worth and closes some of
 the gap on stretches that no fit saw (else nought); more for each time e as many, and less for each time e that the
 largest gain of a step is larger: what is small beside that may be what the form of the first leaves. Fitted to names
 whose truth is known (`python -m benchmarks.name_probabilities`)."""
-RIVAL = 0.2
+ALTERNATIVE_ODDS_WEIGHT = 0.2
 """Weight of the odds of what explains about as much: that it was not chosen, for it is less simple or less usual,
 counts."""
-UNTRIED = 0.95
+UNTRIED_NAME_PROBABILITY = 0.95
 """How probable a name is that no step added."""
 
 
@@ -90,11 +90,11 @@ def named(
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
-        found.append(_named(effect, parameters, by.get(effect.key, _Told(UNTRIED))))
+        found.append(_named(effect, parameters, by.get(effect.key, _Told(UNTRIED_NAME_PROBABILITY))))
     for key, law in certainty.laws:
         sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
         parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
-        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED))), law=law))
+        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED_NAME_PROBABILITY))), law=law))
     return tuple(found)
 
 
@@ -150,14 +150,16 @@ def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
     others = sum(odds for odds, one in known if called(one) != called(own))
     alone = true_alone(own.gain, first, share > 0.0)
-    return _Told(alone / (1.0 + RIVAL * others), tuple(names), share, own.gain)
+    return _Told(alone / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others), tuple(names), share, own.gain)
 
 
 def true_alone(gain: float, first: float, closes: bool) -> float:
     """How probable a name is that gains so much (nats), where the largest gain is the `first`, and which closes some of
     the gap or none, were there no rivals."""
-    more, beside = np.log(max(gain, 1.0) / WORTH), np.log(max(gain, 1.0) / max(first, gain, 1.0))
-    return float(expit((TRUE_AT if closes else 0.0) + TRUE_BY * more + TRUE_BESIDE * beside))
+    more, beside = np.log(max(gain, 1.0) / MIN_GAIN_NATS), np.log(max(gain, 1.0) / max(first, gain, 1.0))
+    return float(
+        expit((NAME_BASE_LOG_ODDS if closes else 0.0) + NAME_GAIN_SLOPE * more + NAME_LARGEST_GAIN_SLOPE * beside)
+    )
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
@@ -176,7 +178,7 @@ def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, 
 
 def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:
     """Whether it may as well be absent as of its usual size."""
-    return std > parameter.typical and abs(value - parameter.absent) < SURE * std
+    return std > parameter.typical and abs(value - parameter.absent) < PRESENT_SIGMAS * std
 
 
 def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEffect, ...]:
@@ -190,5 +192,5 @@ def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEf
             "side": (stop.side, 0.0, "-"),
             "restitution": (stop.restitution, stop.restitution_std, "-"),
         }
-        found.append(NamedEffect(effect.name, effect.label, UNTRIED, parameters, (), 0.0))
+        found.append(NamedEffect(effect.name, effect.label, UNTRIED_NAME_PROBABILITY, parameters, (), 0.0))
     return tuple(found)

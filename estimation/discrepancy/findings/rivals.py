@@ -11,13 +11,13 @@ from cartgrasp.frames import Array
 
 from ...weak_form.coordinates import coordinates
 from ..search.attempts import Attempt, Refit, Step
-from ..search.gains import CONFUSABLE
+from ..search.gains import CONFUSABLE_NATS
 from ..search.laws import Law
 from ..search.model import Model
 
-SIMPLER = 2.0
+NATS_PER_NUMBER = 2.0
 """Nats for each number by which less something takes."""
-LONGEST = 100.0
+MAX_LOG_ODDS = 100.0
 """Largest log odds (nats)."""
 
 
@@ -29,9 +29,9 @@ def rivals(step: Step) -> list[tuple[float, Attempt]]:
     for one in step.attempts:
         if one.key == own.key or not _is_rival(one, own):
             continue
-        if one.gain > max(own.gain - CONFUSABLE, 0.0):
+        if one.gain > max(own.gain - CONFUSABLE_NATS, 0.0):
             more = max(one.numbers - own.numbers, 0) if one.gain > own.gain else 0
-            found.append((float(np.exp(min(one.gain - own.gain - SIMPLER * more, 0.0))), one))
+            found.append((float(np.exp(min(one.gain - own.gain - NATS_PER_NUMBER * more, 0.0))), one))
     return found
 
 
@@ -44,7 +44,7 @@ def _is_rival(one: Attempt, own: Attempt) -> bool:
 
 def _left_out(step: Step) -> list[tuple[float, Attempt]]:
     """What a step without an addition was too careful to add, each with its odds against nothing."""
-    return [(float(np.exp(min(one.gain, LONGEST))), one) for one in step.attempts if one.model is not None]
+    return [(float(np.exp(min(one.gain, MAX_LOG_ODDS))), one) for one in step.attempts if one.model is not None]
 
 
 def undecided(steps: Sequence[Step], final: Model, count: int) -> Array:

@@ -18,17 +18,17 @@ from .driven import Driven
 
 HORIZONS = (0.5, 1.0, 2.0)
 """Horizons of rollouts (s)."""
-EVERY = 0.5
+ROLLOUT_START_INTERVAL = 0.5
 """Time (s) between the starts of rollouts."""
-STEP = 0.01
+MAX_ROLLOUT_STEP = 0.01
 """Step (s) of the integrator, where nothing is stiff."""
-STABLE = 1.0
+MAX_STABLE_STEP_RATE = 1.0
 """Largest product of a step and the fastest rate: inside the region where the integrator is stable."""
-MOST_STILL = 0.2
+MAX_REST_FRACTION = 0.2
 """Largest share of a rollout's time at rest: where a cart stands longer, anything may have held it."""
-LOST = 1e6
+DIVERGED_ERROR = 1e6
 """Error (m, rad) of a rollout that has run away."""
-SAMPLED = 40
+STIFFNESS_SAMPLES = 40
 """States at which stiffness is looked at."""
 
 
@@ -60,9 +60,9 @@ def starts(balances: Balances) -> np.ndarray:
     if len(seen) <= last:
         return np.zeros(0, dtype=int)
     unseen = np.append(0, np.cumsum(~seen))
-    first = np.arange(0, len(seen) - last, max(round(EVERY / motion.step), 1))
+    first = np.arange(0, len(seen) - last, max(round(ROLLOUT_START_INTERVAL / motion.step), 1))
     stands = np.append(0, np.cumsum(balances.turning_speed < STANDSTILL_SPEED))
-    moves = stands[first + last] - stands[first] < MOST_STILL * last
+    moves = stands[first + last] - stands[first] < MAX_REST_FRACTION * last
     return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
 
 
@@ -101,7 +101,9 @@ def rolled_out(
             last = first + k + 1
             inside = last < len(motion.time)
             inside[inside] = seen[last[inside]] == seen[first[inside]]
-            found[inside, ends.index(k + 1)] = np.clip(np.nan_to_num(state[inside, :3], nan=LOST), -LOST, LOST)
+            found[inside, ends.index(k + 1)] = np.clip(
+                np.nan_to_num(state[inside, :3], nan=DIVERGED_ERROR), -DIVERGED_ERROR, DIVERGED_ERROR
+            )
     return found
 
 
@@ -155,7 +157,10 @@ def _creep(cart: CartModel, point: tuple[Array, Array, Array], wrench: Array) ->
 def _stable_step(balances: Balances, cart: CartModel) -> float:
     """Step (s) that keeps what is stiff inside the region where the integrator is stable."""
     if not cart.memory_names:
-        return STEP
-    rows = np.linspace(0, len(balances.motion.time) - 1, SAMPLED).astype(int)
+        return MAX_ROLLOUT_STEP
+    rows = np.linspace(0, len(balances.motion.time) - 1, STIFFNESS_SAMPLES).astype(int)
     planar = balances.wrenches.planar(cart)[rows]
-    return STABLE / max(STABLE / STEP, cart.stiffness(balances.state(cart)[rows], planar, balances.motion.time[rows]))
+    return MAX_STABLE_STEP_RATE / max(
+        MAX_STABLE_STEP_RATE / MAX_ROLLOUT_STEP,
+        cart.stiffness(balances.state(cart)[rows], planar, balances.motion.time[rows]),
+    )

@@ -9,7 +9,7 @@ from cartgrasp.frames import Array
 
 from ..search.screening import Screen
 
-EARLIER = 0.174
+HALF_SINE_LEAD_FRACTION = 0.174
 """Share of a rectangle's duration, on each side, by which the half sine is longer to which it is the nearest. That has
 most of sin(a)/√a within ±a of its middle, where tan(a) = 2a."""
 
@@ -27,8 +27,8 @@ def soft_gain(screen: Screen, effect: Effect) -> float:
 def begun_earlier(effect: Effect) -> Effect:
     """The effect over the span of the half sine to which its rectangle is the nearest."""
     values = effect.values.copy()
-    values[0] -= EARLIER * effect.values[1]
-    values[1] *= 1 + 2 * EARLIER
+    values[0] -= HALF_SINE_LEAD_FRACTION * effect.values[1]
+    values[1] *= 1 + 2 * HALF_SINE_LEAD_FRACTION
     return effect.with_values(values)
 
 

@@ -12,16 +12,16 @@ from ..search.attempts import Step
 from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import ODDS, TOLD
+from ..search.plausible import ESSENTIAL_SIGMAS, PRIOR_LOG_ODDS
 from .certainty import Certainty
-from .gap import BEYOND_NOISE
+from .gap import DISAGREEMENT_NOISE_RATIO
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
-from .refusal import WORSE, is_beyond
+from .refusal import MAX_REFIT_ERROR_RATIO, is_beyond
 from .rivals import undecided
 from .rollouts import Rollouts
 
-MOSTLY = 0.8
-"""Share of the squared gap above noise: what closes as much is told though it gains less than `WORTH`."""
+MIN_GAP_CLOSED_FRACTION = 0.8
+"""Share of the squared gap above noise: what closes as much is told though it gains less than `MIN_GAIN_NATS`."""
 
 
 def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
@@ -59,7 +59,7 @@ def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
     """Keys of added loads that are within what the bands leave open of the mass: what moves a cart beside its recorded
     wrenches (a rider who leans) looks like a load that swings or changes."""
     share = pooled([(band, band.bracket / band.mass) for band in known if band is not None])
-    most = TOLD * share * final.cart.inertia.mass
+    most = ESSENTIAL_SIGMAS * share * final.cart.inertia.mass
     loads = [effect for effect in added(final) if effect.name in INERTIAL_EFFECTS]
     return [e.key for e in loads if abs(e.values[e.keys.index(f"{e.key}.mass")]) < most]
 
@@ -67,16 +67,18 @@ def within_bracket(final: Model, known: Sequence[Band | None]) -> list[str]:
 def _most(final: Model, best: float) -> float:
     """Error from which on stretches speak against what was added last. Against what every cart has, they speak only
     where they are predicted worse."""
-    return best if final.laws or added(final)[-1].name not in ODDS else WORSE * best
+    return best if final.laws or added(final)[-1].name not in PRIOR_LOG_ODDS else MAX_REFIT_ERROR_RATIO * best
 
 
 def closes_most(less: Model, more: Model) -> bool:
     """Whether a model closes most of what another leaves, if that is beyond noise, on stretches that it did not see."""
     floor = rollout_error(floor_rollouts(more))
     best = _known_error(less)
-    if best <= BEYOND_NOISE * floor:
+    if best <= DISAGREEMENT_NOISE_RATIO * floor:
         return False
-    return rollout_error(held_out_rollouts(more)) ** 2 - floor**2 < (1.0 - MOSTLY) * (best**2 - floor**2)
+    return rollout_error(held_out_rollouts(more)) ** 2 - floor**2 < (1.0 - MIN_GAP_CLOSED_FRACTION) * (
+        best**2 - floor**2
+    )
 
 
 def _known_error(model: Model) -> float:

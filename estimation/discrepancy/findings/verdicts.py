@@ -7,16 +7,16 @@ from collections.abc import Sequence
 from cartgrasp.effects import Effect
 
 from ..search.attempts import Attempt, Refit, Step
-from ..search.gains import SURE, WORTH
+from ..search.gains import GAIN_SIGMAS, MIN_GAIN_NATS
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import ODDS, objection
+from ..search.plausible import PRIOR_LOG_ODDS, objection
 from ..search.search import least_gain, may_be, unseen
 
 ADDED, OTHER_SIZE = "added", "given another size"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
-FORMS = "what the forms of others may leave"
-ROUGHLY = "not fitted with all else: too many others gain more at first sight"
+FORM_ERROR_WORDS = "what the forms of others may leave"
+NOT_FITTED = "not fitted with all else: too many others gain more at first sight"
 
 
 def called(one: Attempt) -> str:
@@ -29,25 +29,27 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     """Verdict on one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
         return ADDED if final is None else _kept(one, final)
-    if one.own_gain < (least := least_gain(one, step.form_error, WORTH)):
-        rest = "noise that drifts as what is left" if one.own_gain == one.beside_drift else FORMS
+    if one.own_gain < (least := least_gain(one, step.form_error, MIN_GAIN_NATS)):
+        rest = "noise that drifts as what is left" if one.own_gain == one.beside_drift else FORM_ERROR_WORDS
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside {rest}"
-        why = " beside what gained most" * (least > WORTH)
+        why = " beside what gained most" * (least > MIN_GAIN_NATS)
         return f"gains {round(one.gain, 1) + 0.0:.1f} nats{beside}, and {least:.1f} are needed{why}"
-    if not one.repeats(WORTH):
+    if not one.repeats(MIN_GAIN_NATS):
         gained = f"gains {one.beside_neighbours:.1f} nats beside noise that wanders about its period"
-        return f"{gained}, and {WORTH:g} are needed"
-    if one.gain < SURE * one.error:
-        return f"gains less than {SURE:g} standard deviations of its gain: from stretch to stretch it is not sure"
+        return f"{gained}, and {MIN_GAIN_NATS:g} are needed"
+    if one.gain < GAIN_SIGMAS * one.error:
+        return (
+            f"gains less than {GAIN_SIGMAS:g} standard deviations of its gain: from stretch to stretch it is not sure"
+        )
     if odd := _objection(one):
         return odd
-    return ROUGHLY if step.added is None else _beside(one, step.added)
+    return NOT_FITTED if step.added is None else _beside(one, step.added)
 
 
 def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
     """The law that gained most in the end, and was refused for nothing but what the forms of others may make."""
     last = steps[-1].attempts if steps and steps[-1].added is None else ()
-    near = [one for one in last if one.model is not None and one.gain >= WORTH][:1]
+    near = [one for one in last if one.model is not None and one.gain >= MIN_GAIN_NATS][:1]
     return tuple(one.candidate for one in near if isinstance(one.candidate, Law) and may_be(one))
 
 
@@ -70,9 +72,9 @@ def _objection(one: Attempt) -> str:
 def _beside(one: Attempt, added: Attempt) -> str:
     """Why it lost against what was added."""
     less, more = round(added.gain, 1) - round(one.gain, 1), one.numbers - added.numbers
-    usual = ODDS.get(called(added), 0.0) - ODDS.get(called(one), 0.0)
+    usual = PRIOR_LOG_ODDS.get(called(added), 0.0) - PRIOR_LOG_ODDS.get(called(one), 0.0)
     if one.model is None and less <= 0:
-        return ROUGHLY
+        return NOT_FITTED
     if less <= 0:
         return f"gains {-less:.1f} nats more than {added.key} by {more} number{'s' * (more != 1)} more: not surely more"
     if usual > 0 and less <= usual and isinstance(one.candidate, Effect):

@@ -9,7 +9,7 @@ from cartgrasp.effects.effect import Gate
 
 from .laws import Law
 from .model import Model
-from .plausible import USUAL
+from .plausible import UBIQUITOUS_EFFECTS
 
 
 @dataclass(frozen=True)
@@ -59,7 +59,7 @@ class Attempt:
     @property
     def is_usual(self) -> bool:
         """Whether every cart has it, or every chain of sensors."""
-        return isinstance(self.candidate, Effect) and self.candidate.name in USUAL
+        return isinstance(self.candidate, Effect) and self.candidate.name in UBIQUITOUS_EFFECTS
 
     @property
     def numbers(self) -> int:

@@ -16,9 +16,9 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.band import INERTIAL_EFFECTS
 
-TURNING = ("wheel_drag_imbalance",)
+TURNING_EFFECTS = ("wheel_drag_imbalance",)
 """Effects that turn a cart: on a rail they are any drag."""
-EVER = 1e12
+UNBOUNDED_LENGTH = 1e12
 """Time (s) and distance (m) that are as long, and as far, as no log goes."""
 
 
@@ -39,7 +39,7 @@ def families(cart: CartModel, arms: Sequence[str], others: Sequence[Effect] = ()
     for kind in KNOWN_EFFECTS.values():
         if not kind.searched or (not arms and (kind.name in INERTIAL_EFFECTS or is_of_wrenches(kind))):
             continue
-        if cart.constraints.no_rotation and kind.name in TURNING:
+        if cart.constraints.no_rotation and kind.name in TURNING_EFFECTS:
             continue
         for label in _labels(kind, cart, arms):
             variants = tuple(_variants(kind, label, cart))
@@ -97,11 +97,11 @@ def _variants(kind: type[Effect], label: str, cart: CartModel) -> Iterator[Effec
     effect = kind(label=label)
     absent = effect.values.tolist()
     if kind.gate is Gate.FROM:
-        absent[0] = -EVER
+        absent[0] = -UNBOUNDED_LENGTH
     elif kind.gate is Gate.WHILE:
-        absent[:2] = -EVER, 2 * EVER
+        absent[:2] = -UNBOUNDED_LENGTH, 2 * UNBOUNDED_LENGTH
     elif kind.gate is Gate.INSIDE:
-        absent[:4] = -EVER, EVER, -EVER, EVER
+        absent[:4] = -UNBOUNDED_LENGTH, UNBOUNDED_LENGTH, -UNBOUNDED_LENGTH, UNBOUNDED_LENGTH
     if kind is TimeDelay:
         for delay in (0.01, 0.02, 0.03, 0.045, 0.065, 0.09, 0.13, 0.2):
             yield TimeDelay(delay, label=label)

@@ -12,11 +12,11 @@ from .laws import Law, seen_values
 from .model import Model
 from .periods import waves
 
-NEIGHBOURS = 8
+NEIGHBOURS_PER_SIDE = 8
 """How many steps of what a log resolves the noise about a frequency is told by, on either side."""
-HUMP = 10.0
+NOISE_HUMP_NATS = 10.0
 """Nats beforehand against a hump of noise there: as much as a name has to gain."""
-LEAST = 1e-9
+WAVE_RANK_TOLERANCE = 1e-9
 """Least share of the information on a wave of that on the other of its frequency."""
 
 
@@ -26,7 +26,7 @@ def beside_neighbours(model: Model, law: Law) -> float:
     assert law.period is not None
     step = 1 / max(float(np.ptp(seen_values(law.effects[0], [motion]))) for motion in model.motions)
     lines = np.array([k / law.period for k in law.effects[0].harmonics if k])
-    sides = step * np.array([side for side in range(-NEIGHBOURS, NEIGHBOURS + 1) if side])
+    sides = step * np.array([side for side in range(-NEIGHBOURS_PER_SIDE, NEIGHBOURS_PER_SIDE + 1) if side])
     around = lines[:, None] + sides
     apart = np.abs(around[..., None] - lines).min(axis=2)
     is_noise = (apart > 1.5 * step) & (around > step)
@@ -43,7 +43,7 @@ def beside_neighbours(model: Model, law: Law) -> float:
 def _evidence(squares: float, count: int) -> float:
     """Log density of so many normal values by their sum of squares, where their variance may be one, or any."""
     any_variance = gammaln(count / 2) - count / 2 * np.log(squares / 2) if count else -np.inf
-    return float(np.logaddexp(-squares / 2, any_variance - HUMP))
+    return float(np.logaddexp(-squares / 2, any_variance - NOISE_HUMP_NATS))
 
 
 def _lines(model: Model, law: Law) -> list[float]:
@@ -74,5 +74,5 @@ def _squares(model: Model, law: Law, frequencies: Array) -> Array:
     flat = flat - base @ np.linalg.solve(base.T @ base + np.diag(model.prior_std**-2.0), base.T @ flat)
     own = np.moveaxis(flat.reshape(len(rows), len(frequencies), -1), 1, 0)
     pull = own.swapaxes(1, 2) @ left
-    found = np.linalg.pinv(own.swapaxes(1, 2) @ own, rcond=LEAST, hermitian=True)
+    found = np.linalg.pinv(own.swapaxes(1, 2) @ own, rcond=WAVE_RANK_TOLERANCE, hermitian=True)
     return np.asarray(np.einsum("vi,vij,vj->v", pull, found, pull))

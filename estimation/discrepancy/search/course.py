@@ -11,7 +11,7 @@ from cartgrasp.frames import Array
 
 from ...weak_form.motion import Motion
 
-ROLLING = 0.02
+MIN_DIRECTED_SPEED = 0.02
 """Least speed (m/s) at which a motion has a direction."""
 
 
@@ -70,7 +70,7 @@ def rows_at(motion: Motion, time: Array) -> np.ndarray:
 def since_reversal(speed: Array, travelled: Array) -> Array:
     """Distance (n,) since the direction was another, from forward speeds (n,) and travelled distances (n,); infinite
     before it ever was."""
-    rolls = np.flatnonzero(np.abs(speed) > ROLLING)
+    rolls = np.flatnonzero(np.abs(speed) > MIN_DIRECTED_SPEED)
     turned = rolls[1:][np.diff(np.sign(speed[rolls])) != 0]
     last = np.searchsorted(turned, np.arange(len(speed)), side="right")
     return np.asarray(travelled - np.append(-np.inf, travelled[turned])[last])

@@ -26,13 +26,13 @@ from .course import Course
 from .laws import Law, splines
 from .model import Model
 
-FORM_STD = 0.2
+FORM_MODE_STD = 0.2
 """Standard deviation of an effect's size, as a share of it, by each of the modes."""
-LATE = 0.1
+FORM_DELAY = 0.1
 """Time (s) by which an effect may come late whose form is wrong by its whole size."""
-SLOW, FAR = (0.05, 0.15), (0.05, 0.3, 1.0)
+FORM_SPEED_SCALES, FORM_DISTANCE_SCALES = (0.05, 0.15), (0.05, 0.3, 1.0)
 """Speeds (m/s) and distances since a reversal (m): scales on which forms set in."""
-MOST_MODES = 40
+MAX_FORM_MODES = 40
 """Most modes of all effects together, the largest: more would only cost memory."""
 
 
@@ -66,7 +66,7 @@ class FormError:
         for balances, made in zip(self.model.logs, self._made, strict=True):
             acts = _acting(candidate, balances, self.model)
             found.append(balances.integrated(np.stack([acts[:, None] * one for one in made], axis=2)))
-        return FORM_STD * self.model.whitened(found)
+        return FORM_MODE_STD * self.model.whitened(found)
 
     @cached_property
     def _modes(self) -> Array:
@@ -80,7 +80,7 @@ class FormError:
         )
         flat = (found / self.model.score.scale[:, None]).reshape(-1, found.shape[2])
         _, along = np.linalg.eigh(flat.T @ flat)
-        return np.asarray(FORM_STD * found @ along[:, -MOST_MODES:])
+        return np.asarray(FORM_MODE_STD * found @ along[:, -MAX_FORM_MODES:])
 
 
 def _beside(model: Model, columns: Array) -> Score:
@@ -92,7 +92,7 @@ def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: i
     """Raw columns (k, c, q) of a log: what effects make (n, c) times modes, late, and as a moment about a lever. The
     moment is in the balance `turn`, if that is another than the first."""
     by_gate = {gate: modes_of(balances.motion, gate) for gate in set(gates)}
-    late = [np.gradient(one, balances.motion.step, axis=0) * LATE for one in made]
+    late = [np.gradient(one, balances.motion.step, axis=0) * FORM_DELAY for one in made]
 
     def along(part: slice) -> Array:
         found = []
@@ -119,10 +119,10 @@ def modes_of(motion: Motion, gate: Gate = Gate.ALWAYS) -> Array:
         *(() if gate.passes else splines(course.time / max(course.time[-1], motion.step))),
         speed,
         speed**2,
-        *(np.exp(-np.abs(course.speed) / scale) for scale in SLOW),
+        *(np.exp(-np.abs(course.speed) / scale) for scale in FORM_SPEED_SCALES),
         turning,
         np.abs(turning),
-        *(np.exp(-course.since_reversal / scale) for scale in FAR),
+        *(np.exp(-course.since_reversal / scale) for scale in FORM_DISTANCE_SCALES),
         *(() if gate is Gate.INSIDE else (x, y, x**2, x * y, y**2)),
         *(wave(k * course.heading) for k in (1, 2) for wave in (np.cos, np.sin)),
     ]

@@ -13,13 +13,13 @@ from .attempts import Attempt
 from .candidates import Family, amplitudes_of, families
 from .laws import Law
 from .model import Model
-from .plausible import ODDS
+from .plausible import PRIOR_LOG_ODDS
 
-WORTH = 10.0
+MIN_GAIN_NATS = 10.0
 """Least gain in score of what is added; also how much less something simpler than what acts for a while may explain."""
-CONFUSABLE = float(np.log(100.0))
+CONFUSABLE_NATS = float(np.log(100.0))
 """Difference in score by which a candidate still explains about as much."""
-SURE = 1.5
+GAIN_SIGMAS = 1.5
 """Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 
 
@@ -41,9 +41,9 @@ def margin(one: Model, best: Model, *gates: Gate) -> float:
     a time or a place alone, by its gate, it is at least what a name is worth; and no more for what happens once, of
     which other stretches tell nothing."""
     if any(gate.ends for gate in gates):
-        return WORTH
-    least = CONFUSABLE if all(gate is Gate.ALWAYS for gate in gates) else WORTH
-    return max(least, SURE * standard_error(one.score, best.score))
+        return MIN_GAIN_NATS
+    least = CONFUSABLE_NATS if all(gate is Gate.ALWAYS for gate in gates) else MIN_GAIN_NATS
+    return max(least, GAIN_SIGMAS * standard_error(one.score, best.score))
 
 
 def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
@@ -65,7 +65,7 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
             if effect.gate is not Gate.ALWAYS:
                 colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
     gain = worth(model.score, score, colour) - float(np.log(tried))
-    return Attempt(fitted, gain + ODDS.get(effect.name, 0.0), tried)
+    return Attempt(fitted, gain + PRIOR_LOG_ODDS.get(effect.name, 0.0), tried)
 
 
 def added_worth(less: Model, model: Model, effect: Effect) -> float:

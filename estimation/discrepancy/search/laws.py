@@ -21,28 +21,28 @@ from ...weak_form.motion import Motion
 from .candidates import free_label
 from .course import Course, rows_at
 
-VARIABLES = {
+VARIABLE_WORDS = {
     "travelled_distance": "travelled distance",
     "yaw_rate": "yaw rate",
     "since_reversal": "way since a reversal",
 }
 """Variables in words, where these are others than the effect's."""
-UNITS = {"time": "s", "heading": "rad", "speed": "m/s", "yaw_rate": "rad/s"}
+VARIABLE_UNITS = {"time": "s", "heading": "rad", "speed": "m/s", "yaw_rate": "rad/s"}
 """Units of variables; all others are in m."""
 AT_HANDS = "at the hands"
-SETTING_IN = (0.25, 0.5, 0.75)
+DRAG_ONSET_FRACTIONS = (0.25, 0.5, 0.75)
 """Shares of the largest speed from which on a drag grows."""
-SINCE = (0.02, 0.1, 0.3, 1.0)
+REVERSAL_KNOTS = (0.02, 0.1, 0.3, 1.0)
 """Knots (m since a reversal) of drags that it changes."""
-SCRUBS = 0.15
+SCRUB_SATURATION_FRACTION = 0.15
 """Share of the largest yaw rate from which on a moment no longer grows."""
-FINE = np.linspace(-0.1, 1.1, 13)
+CURVE_KNOTS = np.linspace(-0.1, 1.1, 13)
 """Knots of smooth curves, as shares of what a variable goes through."""
-COEFFICIENTS = 5
+SPLINE_COEFFICIENTS = 5
 """Number of coefficients of a curve, which is a cubic spline."""
-PLACES = np.linspace(-1.25, 1.25, 6)
+FIELD_KNOTS = np.linspace(-1.25, 1.25, 6)
 """Knots of fields about the middle, as shares of half of what x and y go through."""
-LEAST_SPAN = 0.1
+MIN_VARIABLE_SPAN = 0.1
 """Least range, in the variable's unit: nothing is a law of what goes less far."""
 
 
@@ -125,7 +125,7 @@ class Law:
 
 def variable_of(effect: LearnedForce) -> str:
     """An effect's variable in words."""
-    return VARIABLES.get(effect.of, effect.of)
+    return VARIABLE_WORDS.get(effect.of, effect.of)
 
 
 def constant(effect: LearnedForce) -> LearnedForce:
@@ -136,7 +136,7 @@ def constant(effect: LearnedForce) -> LearnedForce:
 
 def unit_of(effect: LearnedForce) -> str:
     """Unit of an effect's variable."""
-    return UNITS.get(effect.of, "m")
+    return VARIABLE_UNITS.get(effect.of, "m")
 
 
 def seen_values(effect: LearnedForce, motions: Sequence[Motion]) -> Array:
@@ -187,20 +187,20 @@ def smooth_laws(motions: Sequence[Motion], cart: CartModel, lever: float = 0.0) 
 def _on_all(motions: Sequence[Motion]) -> Iterator[Law]:
     low, high = _span([m.time for m in motions])
     most = _span([np.abs(m.velocity[:, 0]) for m in motions])[1]
-    steps = np.append(0.0, (*SETTING_IN, 1.0))
-    setting_in = (np.maximum(steps - share, 0.0) / (1.0 - share) for share in SETTING_IN)
-    time, curves = low + (high - low) * FINE, splines(FINE)
+    steps = np.append(0.0, (*DRAG_ONSET_FRACTIONS, 1.0))
+    setting_in = (np.maximum(steps - share, 0.0) / (1.0 - share) for share in DRAG_ONSET_FRACTIONS)
+    time, curves = low + (high - low) * CURVE_KNOTS, splines(CURVE_KNOTS)
     yield Law.free("the same at all", LearnedForce("drag", "speed"))
-    yield _knotted("cubic drag", "drag", "speed", most * FINE, FINE**3)
+    yield _knotted("cubic drag", "drag", "speed", most * CURVE_KNOTS, CURVE_KNOTS**3)
     yield _knotted("drag that sets in", "drag", "speed", most * steps, *setting_in)
-    yield _knotted("drift", "forward_force", "time", time, FINE)
+    yield _knotted("drift", "forward_force", "time", time, CURVE_KNOTS)
     yield _knotted("drag that warms", "drag", "time", time, *curves)
     yield _knotted("viscous drag that warms", "viscous_drag", "time", time, *curves)
-    yield _knotted("drag", "drag", "since_reversal", np.array(SINCE), *np.eye(len(SINCE))[:-1])
+    yield _knotted("drag", "drag", "since_reversal", np.array(REVERSAL_KNOTS), *np.eye(len(REVERSAL_KNOTS))[:-1])
 
 
 def _on_turns(motions: Sequence[Motion]) -> Iterator[Law]:
-    both = np.append(-FINE[:1:-1], FINE[1:])
+    both = np.append(-CURVE_KNOTS[:1:-1], CURVE_KNOTS[1:])
     most = _span([np.abs(m.velocity[:, -1]) for m in motions])[1]
     yield Law.free("force", LearnedForce("forward_force", "heading", harmonics=(1, 2)))
     yield Law.free("drag", LearnedForce("drag", "heading", harmonics=(2,)))
@@ -209,7 +209,14 @@ def _on_turns(motions: Sequence[Motion]) -> Iterator[Law]:
     yield Law.free("moment", LearnedForce("yaw_moment", "heading"))
     yield _knotted("drag", "drag", "yaw_rate", most * both, np.abs(both))
     yield _knotted("viscous drag", "viscous_drag", "yaw_rate", most * both, np.abs(both))
-    yield _knotted("moment", "yaw_moment", "yaw_rate", most * both, both * np.abs(both), np.clip(both / SCRUBS, -1, 1))
+    yield _knotted(
+        "moment",
+        "yaw_moment",
+        "yaw_rate",
+        most * both,
+        both * np.abs(both),
+        np.clip(both / SCRUB_SATURATION_FRACTION, -1, 1),
+    )
     knots, plane, bowl = _fields(motions)
     yield Law("drag", (replace(knots, acts_on="drag"),), plane)
     yield Law("curved drag", (replace(knots, acts_on="drag"),), bowl)
@@ -217,12 +224,12 @@ def _on_turns(motions: Sequence[Motion]) -> Iterator[Law]:
 
 def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
     low, high = _span([m.time for m in motions])
-    times = tuple((low + (high - low) * FINE).tolist())
+    times = tuple((low + (high - low) * CURVE_KNOTS).tolist())
     wind = LearnedForce("world_force", "time", ahead=ahead, knots=times)
     field, plane, bowl = _fields(motions)
     field = replace(field, acts_on="world_force", ahead=ahead)
-    yield both_ways("wind", wind, FINE[:, None])
-    yield both_ways("wind that turns", wind, splines(FINE).T)
+    yield both_ways("wind", wind, CURVE_KNOTS[:, None])
+    yield both_ways("wind that turns", wind, splines(CURVE_KNOTS).T)
     yield both_ways("field", field, plane)
     yield both_ways("curved field", field, bowl)
 
@@ -230,7 +237,7 @@ def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
 def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
     """A force over the places of motions, and bases (a, q) of planes and of parabolas."""
     x, y = (_around(_span([m.pose[:, i] for m in motions])) for i in range(2))
-    across, along = (part.ravel() for part in np.meshgrid(PLACES, PLACES, indexing="ij"))
+    across, along = (part.ravel() for part in np.meshgrid(FIELD_KNOTS, FIELD_KNOTS, indexing="ij"))
     plane = np.stack([np.ones_like(along), across, along], axis=1)
     bowl = np.column_stack([plane, across**2, across * along, along**2])
     return LearnedForce("lateral_force", "place", knots=tuple(x.tolist()), knots_y=tuple(y.tolist())), plane, bowl
@@ -238,7 +245,7 @@ def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
 
 def splines(at: Array) -> Array:
     """Cubic splines (q, n) between 0 and 1."""
-    inside = np.linspace(0.0, 1.0, COEFFICIENTS - 2)
+    inside = np.linspace(0.0, 1.0, SPLINE_COEFFICIENTS - 2)
     knots = np.concatenate([[0.0] * 3, inside, [1.0] * 3])
     return np.asarray(BSpline.design_matrix(np.clip(at, 0.0, 1.0), knots, 3).toarray().T)
 
@@ -256,10 +263,10 @@ def both_ways(form: str, effect: LearnedForce, basis: Array) -> Law:
 
 def _around(ends: Array) -> Array:
     """Knots of a field."""
-    return np.asarray(np.mean(ends) + np.diff(ends) / 2 * PLACES)
+    return np.asarray(np.mean(ends) + np.diff(ends) / 2 * FIELD_KNOTS)
 
 
 def _span(signals: Sequence[Array]) -> Array:
     """The least and the largest of them, (2,), apart."""
     low, high = min(float(s.min()) for s in signals), max(float(s.max()) for s in signals)
-    return np.array([low, max(high, low + LEAST_SPAN)])
+    return np.array([low, max(high, low + MIN_VARIABLE_SPAN)])

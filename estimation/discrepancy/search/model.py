@@ -28,20 +28,20 @@ from ...weak_form.whitening import Whitening
 from .candidates import amplitudes_of
 from .laws import Law, labelled
 
-GUESS_STD, COM_STD = 1.5, 0.5
+LOG_MASS_PRIOR_STD, COM_PRIOR_STD = 1.5, 0.5
 """Prior standard deviations of the logarithms of mass and inertia, and of the CoM (m)."""
-SIZE_STD = 10.0
+AMPLITUDE_PRIOR_RATIO = 10.0
 """Prior standard deviation of a fitted amplitude, in multiples of the effect's usual size."""
-FILE_SHARE, FILE_LEAST = 0.25, 0.05
+FILE_PRIOR_VALUE_FRACTION, FILE_PRIOR_SIZE_FRACTION = 0.25, 0.05
 """Prior standard deviation of an effect of the cart file: share of its value there, and at least a share of its usual
 size."""
-FORM_LEVER = 0.05
+FORCE_LEVER_STD = 0.05
 """Prior standard deviation (m) of where an effect's force acts, about where the model says."""
-TIMING_STD = 0.3
+TIMING_STD_FRACTION = 0.3
 """Prior standard deviation of a lateness, as a share of a sample's step: some sensors hold a sample until the next,
 others average."""
-ROUNDS = 3
-LONG_MEAN, FEWEST_MEANS = 2.0, 8
+SETTLING_ROUNDS = 3
+LONG_MEAN_INTERVAL, MIN_LONG_MEANS = 2.0, 8
 """Duration (s) of long means, as long as a push; and how many tell their usual size: shorter ones where a log has no
 more."""
 
@@ -59,7 +59,7 @@ def structure_prior(
     mean, first = coordinates(cart), coordinates(guess)
     std, free = np.ones(len(mean)), np.ones(len(mean), dtype=bool)
     mean[:N_PHI] = first[:N_PHI]
-    std[:N_PHI] = GUESS_STD, COM_STD, COM_STD, GUESS_STD
+    std[:N_PHI] = LOG_MASS_PRIOR_STD, COM_PRIOR_STD, COM_PRIOR_STD, LOG_MASS_PRIOR_STD
     parameters = [(p, key) for effect in cart.effects for p, key in zip(effect.parameters, effect.keys, strict=True)]
     known = {
         key: v for e in guess.effects if e.key not in wide for key, v in zip(e.keys, e.values.tolist(), strict=True)
@@ -67,11 +67,11 @@ def structure_prior(
     for i, (p, key) in enumerate(parameters, N_PHI):
         if key in known and not (p.optional and known[key] == p.absent):
             mean[i], free[i] = known[key], p.estimated
-            std[i] = max(FILE_SHARE * abs(known[key]), FILE_LEAST * p.typical)
+            std[i] = max(FILE_PRIOR_VALUE_FRACTION * abs(known[key]), FILE_PRIOR_SIZE_FRACTION * p.typical)
             continue
         is_place = p.name in ("x", "y", "trail") and bool(p.grid)
         mean[i] = mean[i] if is_place else p.absent
-        std[i] = 2 * p.typical if is_place else SIZE_STD * p.typical
+        std[i] = 2 * p.typical if is_place else AMPLITUDE_PRIOR_RATIO * p.typical
         free[i] = p.estimated
     told = _told(guess, believed)
     for i, name in enumerate(report_names(cart)):
@@ -176,7 +176,7 @@ class Model:
     def settled(self) -> Model:
         """The model fitted on rows whose noise is what this fit leaves."""
         model = self
-        for _ in range(ROUNDS):
+        for _ in range(SETTLING_ROUNDS):
             model = model.refitted(model.cart).rewhitened()
         return model.refitted(model.cart)
 
@@ -208,8 +208,10 @@ class Model:
             timing = np.zeros((len(balances.used), balances.n_balances(cart), len(self.logs)))
             timing[..., i] = balances.timing(cart)
             found.append(np.concatenate([*parts, timing], axis=2))
-        std = [np.ones(len(constraints)), *(law.std for law in self.laws), np.full(len(forces), FORM_LEVER)]
-        std.append(np.hypot(TIMING_STD * np.array([balances.sample_step for balances in self.logs]), self.clock_std))
+        std = [np.ones(len(constraints)), *(law.std for law in self.laws), np.full(len(forces), FORCE_LEVER_STD)]
+        std.append(
+            np.hypot(TIMING_STD_FRACTION * np.array([balances.sample_step for balances in self.logs]), self.clock_std)
+        )
         return Nuisance(tuple(found), np.concatenate(std))
 
     @cached_property
@@ -256,7 +258,7 @@ class Model:
     def colour_beside(self, rows: Array, score: Score) -> float:
         """`colour` of rows (k, c, q + 1) with more columns, and their score."""
         standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
-        size = max(min(round(LONG_MEAN / self.logs[0].row_step), len(standard) // FEWEST_MEANS), 1)
+        size = max(min(round(LONG_MEAN_INTERVAL / self.logs[0].row_step), len(standard) // MIN_LONG_MEANS), 1)
         count = len(standard) // size
         means = standard[: count * size].reshape(count, size, -1).mean(axis=1) * size**0.5
         typical = MAD_TO_STD * np.median(np.abs(means), axis=0)

@@ -19,15 +19,20 @@ from .course import Course
 from .laws import AT_HANDS, Law, both_ways, seen_values
 from .model import Model
 
-SCANNED = (("time", 0.0, 0.25, 4.0), ("way", 0.0, 0.25, 2.5), ("x", 0.0, 0.3, 2.0), ("y", np.pi / 2, 0.3, 2.0))
+SCANNED_VARIABLES = (
+    ("time", 0.0, 0.25, 4.0),
+    ("way", 0.0, 0.25, 2.5),
+    ("x", 0.0, 0.3, 2.0),
+    ("y", np.pi / 2, 0.3, 2.0),
+)
 """Variables of a course, which way they go in the world, and between which periods a law is looked for."""
-OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
+LAW_VARIABLE_OF = {"time": "time", "way": "travelled_distance", "x": "place", "y": "place"}
 SCANNED_FORCES = ("forward_force", "world_force", "yaw_moment")
-HARMONICS = (1, 2, 4, 8)
+LAW_HARMONICS = (1, 2, 4, 8)
 """Numbers of harmonics of a law: a pulse to and fro has more of the higher ones than of the first."""
-OVERSAMPLED = 8
+FOURIER_OVERSAMPLING = 8
 """Points of a Fourier transform's grid in the shortest period of a harmonic."""
-KNOWN, LIKELY = 24, 16
+INFORMATION_FREQUENCIES, MAX_SCORED_PERIODS = 24, 16
 """Frequencies of a scan of which the information is worked out, and periods of which then the gain is."""
 
 
@@ -71,7 +76,7 @@ class Scan:
         """How much pulls (n, f) of the residual on forces and moments along the courses go with each of frequencies
         (v,), up to the highest, and these: by a fast Fourier transform of pulls over the variable, each shared by the
         two nearest of its grid's points."""
-        step = 1 / (OVERSAMPLED * self.highest)
+        step = 1 / (FOURIER_OVERSAMPLING * self.highest)
         first = min(float(self.of(c).min()) for c in courses)
         count = round(1 / (step * self.spacing))
         total = np.zeros(count)
@@ -89,7 +94,7 @@ class Scan:
         """Gains, frequencies and numbers of harmonics at which the sum of harmonics' own gains (v,) at frequencies (v,)
         is as large as at both neighbours: a harmonic's peak is as many times narrower as its number says."""
         found = list[tuple[float, float, int]]()
-        for harmonics in HARMONICS:
+        for harmonics in LAW_HARMONICS:
             most = min(float(self.frequencies[-1]), self.highest / harmonics)
             each = np.arange(self.frequencies[0], most, self.spacing / harmonics)
             total = np.sum([np.interp(k * each, frequencies, gains) for k in range(1, harmonics + 1)], axis=0)
@@ -129,7 +134,7 @@ def _unit(effect: LearnedForce, course: Course, free: int) -> Array:
 
 def is_like_a_scans(effect: LearnedForce) -> bool:
     """Whether it repeats, and is a force or a moment, not a drag, of what is scanned."""
-    return bool(effect.period) and effect.of in OF.values() and effect.acts_on in SCANNED_FORCES
+    return bool(effect.period) and effect.of in LAW_VARIABLE_OF.values() and effect.acts_on in SCANNED_FORCES
 
 
 def waves(effect: LearnedForce, frequencies: Array, balances: Balances, cart: CartModel) -> Array:
@@ -143,11 +148,11 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: fl
     by from one point of it to the next; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
     levers = [wheel.y for wheel in cart.wheels if wheel.kind == FIXED and wheel.y] if turns else []
-    for variable, direction, least, most in SCANNED:
+    for variable, direction, least, most in SCANNED_VARIABLES:
         span = max(float(np.ptp(getattr(c, variable))) for c in courses)
         if span < 2 * least or (variable in "xy" and not turns):
             continue
-        force = LearnedForce("forward_force", OF[variable], period=1.0)
+        force = LearnedForce("forward_force", LAW_VARIABLE_OF[variable], period=1.0)
         if variable in "xy":
             force = replace(force, acts_on="world_force", direction=direction)
         places = [(force, "force")]
@@ -161,7 +166,7 @@ def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: fl
             places += [(replace(force, acts_on="yaw_moment", lever=y), f"moment of the wheel at y = {y:g} m")]
         frequencies = np.arange(1 / min(most, span / 2), 1 / least, 0.4 / span)
         fastest = max(float(np.abs(np.gradient(getattr(c, variable))).max()) for c in courses)
-        highest = min(HARMONICS[-1] / least, resolved / max(fastest, 1e-12))
+        highest = min(LAW_HARMONICS[-1] / least, resolved / max(fastest, 1e-12))
         if len(frequencies) > 1 and highest > 2 * frequencies[0]:
             found += [Scan(variable, effect, place, frequencies, highest) for effect, place in places]
     return found
@@ -201,13 +206,13 @@ def scanned(
     for scan in scans(courses, cart, hands, resolved):
         std = scan.effect.parameters[0].typical
         power, frequencies = scan.power(courses, pulls)
-        known = np.geomspace(scan.frequencies[0], scan.highest, KNOWN)
+        known = np.geomspace(scan.frequencies[0], scan.highest, INFORMATION_FREQUENCIES)
         told = (columns(scan, known, 1) / model.score.scale[:, None]) ** 2
         information = np.interp(frequencies, known, told.sum(axis=(1, 2, 3)))
         own = power / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
-        count += len(scan.frequencies) * sum(HARMONICS)
+        count += len(scan.frequencies) * sum(LAW_HARMONICS)
         best = dict[int, Found]()
-        for _, frequency, harmonics in sorted(scan.combs(own, frequencies), reverse=True)[:LIKELY]:
+        for _, frequency, harmonics in sorted(scan.combs(own, frequencies), reverse=True)[:MAX_SCORED_PERIODS]:
             gained = float(gain(columns(scan, np.array([frequency]), harmonics), np.full(2 * harmonics, std))[0])
             if harmonics not in best or gained > best[harmonics][0]:
                 best[harmonics] = gained, scan, 1 / frequency, harmonics

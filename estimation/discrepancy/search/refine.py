@@ -14,11 +14,11 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
 from .candidates import amplitudes_of
-from .plausible import SPARE, out_of_bounds
+from .plausible import BOUND_SLACK_RATIO, out_of_bounds
 
-HALVINGS, EVALUATIONS = 8, 160
-TIME_STEP, PLACE_STEP, DELAY_STEP = 0.4, 0.8, 0.01
-FACTOR = 1.6
+MAX_STEP_HALVINGS, MAX_GAIN_EVALUATIONS = 8, 160
+FIRST_TIME_STEP, FIRST_PLACE_STEP, FIRST_DELAY_STEP = 0.4, 0.8, 0.01
+FIRST_STEP_RATIO = 1.6
 
 
 @dataclass(frozen=True)
@@ -35,7 +35,7 @@ class Move:
         if self.step:
             moved[self.which] += share * self.step
         else:
-            moved[self.which] *= FACTOR**share
+            moved[self.which] *= FIRST_STEP_RATIO**share
         if self.against is not None:
             moved[self.against] -= share * self.step
         if self.beside is not None:
@@ -45,13 +45,13 @@ class Move:
 
 def moves(effect: Effect) -> list[Move]:
     if isinstance(effect, TimeDelay):
-        return [Move(0, DELAY_STEP)]
+        return [Move(0, FIRST_DELAY_STEP)]
     if effect.gate is Gate.FROM:
-        return [Move(0, TIME_STEP)]
+        return [Move(0, FIRST_TIME_STEP)]
     if effect.gate is Gate.WHILE:
-        return [Move(0, TIME_STEP, against=1), Move(1, TIME_STEP), Move(0, TIME_STEP)]
+        return [Move(0, FIRST_TIME_STEP, against=1), Move(1, FIRST_TIME_STEP), Move(0, FIRST_TIME_STEP)]
     if effect.gate is Gate.INSIDE:
-        return [Move(i, PLACE_STEP) for i in range(4)]
+        return [Move(i, FIRST_PLACE_STEP) for i in range(4)]
     own = set(amplitudes_of(effect).tolist())
     found = [
         Move(i, 0.0)
@@ -64,15 +64,15 @@ def moves(effect: Effect) -> list[Move]:
 
 def refined(effect: Effect, gain: Callable[[Effect], float]) -> Effect:
     """The effect where the gain is largest nearby."""
-    steps, best, left = moves(effect), gain(effect), EVALUATIONS
-    for halving in range(HALVINGS if steps else 0):
+    steps, best, left = moves(effect), gain(effect), MAX_GAIN_EVALUATIONS
+    for halving in range(MAX_STEP_HALVINGS if steps else 0):
         improved = True
         while improved and left > 0:
             improved = False
             for move in steps:
                 for sign in (1.0, -1.0):
                     values = move.applied(effect.values, sign / 2**halving)
-                    if not is_open(effect, values) or out_of_bounds(effect.with_values(values), SPARE):
+                    if not is_open(effect, values) or out_of_bounds(effect.with_values(values), BOUND_SLACK_RATIO):
                         continue
                     left -= 1
                     tried = effect.with_values(values)

@@ -12,7 +12,7 @@ from .attempts import Refit
 from .gains import absent, added, added_worth, attempt, worth
 from .laws import Law
 from .model import Model
-from .plausible import ODDS
+from .plausible import PRIOR_LOG_ODDS
 from .refine import refined
 from .screening import Screen
 
@@ -38,7 +38,7 @@ def dropped(model: Model, least: float) -> Model:
         losses = []
         for effect in added(model):
             less = model.refitted(model.cart.without_effect(effect.key))
-            losses.append((added_worth(less, model, effect) + ODDS.get(effect.name, 0.0), less))
+            losses.append((added_worth(less, model, effect) + PRIOR_LOG_ODDS.get(effect.name, 0.0), less))
         for law in model.laws:
             less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
             losses.append((worth(less.score, model.score, None), less))

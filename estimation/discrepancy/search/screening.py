@@ -25,21 +25,21 @@ from .laws import Law, seen_values, smooth_laws
 from .model import Model
 from .periods import coarse_columns, is_like_a_scans, scanned
 
-KEPT = 3
+MAX_KEPT_VARIANTS = 3
 """Variants of a candidate whose score is worked out."""
-BLOCK = 0.2
+ONSET_GRID_INTERVAL = 0.2
 """Blocks of time (s) between which onsets and ends are tried."""
-LENGTHS = (1, 2, 3, 5, 8, 12, 18, 28)
+SPAN_BLOCKS = (1, 2, 3, 5, 8, 12, 18, 28)
 """Numbers of blocks that something may last."""
-LEAST_SIDE = 1.0
+MIN_CHANGE_MARGIN = 1.0
 """Least time (s) before and after a lasting change."""
-CELL, MOST_CELLS, RIM = 0.4, 10, 0.05
+CELL_SIZE, MAX_CELLS_PER_AXIS, FLOOR_RIM = 0.4, 10, 0.05
 """Size of a cell (m), most cells along an axis, and rim (m) around all wheels' tracks."""
-LEAST_LEVER = 0.02
+MIN_HAND_LEVER = 0.02
 """Least lever (m): hands that are nearer push at {b}'s x."""
-NEARBY, EXACT = 0.5, 0.02
+PERIOD_SEARCH_WIDTH, PERIOD_SEARCH_TOLERANCE = 0.5, 0.02
 """Most periods in a log that a scan may be off by; and how exactly the period is told, as a share of that."""
-LARGEST = 1e12
+MAX_WHITENED_COLUMN = 1e12
 """Largest whitened column: beyond, an effect's memory ran away in the integrator's steps, at settings that no cart
 has."""
 
@@ -66,7 +66,7 @@ class Screen:
         if isinstance(effect, TimeDelay):
             return self._delayed(effect)
         columns, std = self.model.columns_of(effect, share)
-        if not (np.abs(columns) < LARGEST).all():
+        if not (np.abs(columns) < MAX_WHITENED_COLUMN).all():
             return -np.inf
         return float(self.gains(columns[None], std, is_one_sided(effect))[0])
 
@@ -115,7 +115,7 @@ class Screen:
                 found.append((self.gain(effect), effect))
         found = [one for one in found if np.isfinite(one[0])]
         found.sort(key=lambda one: -one[0])
-        return [effect for _, effect in found[:KEPT]], len(found)
+        return [effect for _, effect in found[:MAX_KEPT_VARIANTS]], len(found)
 
     def _timed(self, effect: Effect) -> list[Found]:
         """Variants that act from or between blocks of time, with their gains."""
@@ -125,20 +125,20 @@ class Screen:
             k = len(balances.used)
             own = slice(at, at + k)
             at += k
-            size = max(1, round(BLOCK / balances.row_step))
+            size = max(1, round(ONSET_GRID_INTERVAL / balances.row_step))
             n = k // size
             if n < 2:
                 continue
             edges = np.append(balances.time[: n * size : size], balances.time[n * size - 1] + balances.row_step)
             sums = self._running(columns[own][: n * size] / self._scale[:, None], own, (n, size))
-            spans = _spans(n, effect.gate, max(1, round(LEAST_SIDE / (size * balances.row_step))))
+            spans = _spans(n, effect.gate, max(1, round(MIN_CHANGE_MARGIN / (size * balances.row_step))))
             if not len(spans):
                 continue
             own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
             gains = self._factor((own_sums, base_sums, pulls), std, is_one_sided(effect))
             starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
             gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
-            best = set(np.argsort(-gains)[:KEPT].tolist())
+            best = set(np.argsort(-gains)[:MAX_KEPT_VARIANTS].tolist())
             for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True)):
                 found.append(
                     (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
@@ -173,7 +173,7 @@ class Screen:
         within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
         base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
         gains = self._factor((within, (pick @ base)[:, None], (pick @ pull)[:, None]), std, is_one_sided(effect))
-        best = set(np.argsort(-gains)[:KEPT].tolist())
+        best = set(np.argsort(-gains)[:MAX_KEPT_VARIANTS].tolist())
         found = []
         for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):
             box = effect.with_values(np.r_[x[a], x[b], y[c], y[d], effect.values[4:]]) if k in best else effect
@@ -185,8 +185,8 @@ class Screen:
         """Edges of cells in x and y over all wheels' tracks."""
         wheels = self.model.cart.wheel_set
         tracks = np.concatenate([wheel_tracks(b.motion.pose, wheels).reshape(2, -1) for b in self.model.logs], axis=1)
-        low, high = tracks.min(axis=1) - RIM, tracks.max(axis=1) + RIM
-        counts = np.clip(np.ceil((high - low) / CELL), 1, MOST_CELLS).astype(int)
+        low, high = tracks.min(axis=1) - FLOOR_RIM, tracks.max(axis=1) + FLOOR_RIM
+        counts = np.clip(np.ceil((high - low) / CELL_SIZE), 1, MAX_CELLS_PER_AXIS).astype(int)
         return np.linspace(low[0], high[0], counts[0] + 1), np.linspace(low[1], high[1], counts[1] + 1)
 
     # --- laws ----------------------------------------------------------------------------------------------------
@@ -197,7 +197,7 @@ class Screen:
         yield from ((law, 1) for law in self.smooth_laws())
         found, count = scanned(model, self._pulls, self.gains, self._hands)
         found.sort(key=lambda best: -best[0][0])
-        for _, scan, period, harmonics in (one for best in found[:KEPT] for one in best):
+        for _, scan, period, harmonics in (one for best in found[:MAX_KEPT_VARIANTS] for one in best):
             law = self.tuned(scan.law(period, harmonics))
             for has_mean in (False, True):
                 yield scan.law(law.period or period, harmonics, has_mean), count
@@ -215,7 +215,7 @@ class Screen:
             return 0.0
         noise = [wrench_covariance(balances, cart) for balances in self.model.logs]
         lever = -float(np.mean([one[-1, 0] / one[0, 0] for one in noise]))
-        return lever if abs(lever) > LEAST_LEVER else 0.0
+        return lever if abs(lever) > MIN_HAND_LEVER else 0.0
 
     @cached_property
     def _pulls(self) -> list[Array]:
@@ -234,13 +234,13 @@ class Screen:
         """The law at the period nearby that gains most."""
         if law.period is None or not (highest := max(law.effects[0].harmonics)):
             return law
-        width = NEARBY * law.period / (self._cycles(law) * highest)
+        width = PERIOD_SEARCH_WIDTH * law.period / (self._cycles(law) * highest)
         columns = coarse_columns if is_like_a_scans(law.effects[0]) else Law.columns
         best = minimize_scalar(
             lambda period: -self.of_law(law.repeating(period), columns),
             bounds=(law.period - width, law.period + width),
             method="bounded",
-            options={"xatol": EXACT * width},
+            options={"xatol": PERIOD_SEARCH_TOLERANCE * width},
         )
         return law.repeating(float(best.x)) if -best.fun > self.of_law(law, columns) else law
 
@@ -268,4 +268,4 @@ def _spans(n: int, gate: Gate, side: int) -> np.ndarray:
     if gate is Gate.FROM:
         first = np.arange(side, n - side)
         return np.column_stack([first, np.full(len(first), n)])
-    return np.array([(i, i + size) for size in LENGTHS for i in range(n - size + 1)]).reshape(-1, 2)
+    return np.array([(i, i + size) for size in SPAN_BLOCKS for i in range(n - size + 1)]).reshape(-1, 2)

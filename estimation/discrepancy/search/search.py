@@ -19,9 +19,9 @@ from .attempts import Attempt, Refit, Step
 from .continuum import beside_neighbours
 from .form_error import FormError
 from .gains import (
-    CONFUSABLE,
-    SURE,
-    WORTH,
+    CONFUSABLE_NATS,
+    GAIN_SIGMAS,
+    MIN_GAIN_NATS,
     absent,
     added,
     added_worth,
@@ -33,21 +33,21 @@ from .gains import (
     worth,
 )
 from .laws import Law
-from .model import FORM_LEVER, Model
+from .model import FORCE_LEVER_STD, Model
 from .periods import is_like_a_scans
-from .plausible import ESSENTIAL, LEVERS, ODDS, TOLD, is_plausible
+from .plausible import ESSENTIAL_PARAMETERS, ESSENTIAL_SIGMAS, MOMENT_BY_FORCE, PRIOR_LOG_ODDS, is_plausible
 from .refine import refined
 from .revisited import dropped, searched_again
-from .screening import LEAST_SIDE, Screen
+from .screening import MIN_CHANGE_MARGIN, Screen
 
-SHARE = 0.05
+MIN_GAIN_FRACTION = 0.05
 """Least share of the largest gain so far. What gains less beside the forms of others (`form_error.py`) may be a form
-that nobody thought of, unless it is `USUAL`."""
-NEAR, MOST_REFITTED, MOST_LAWS = 0.3, 5, 2
+that nobody thought of, unless it is one of `UBIQUITOUS_EFFECTS`."""
+REFINED_GAIN_FRACTION, MAX_REFITTED_EFFECTS, MAX_REFITTED_LAWS = 0.3, 5, 2
 """Candidates that are refined and refitted: least share of the best gain, and most of the vocabulary and beside it."""
-RESIZED = 2.0
+MIN_RESIZING_NATS = 2.0
 """Least gain in score of another size of an effect of the file."""
-MOST_STEPS, MOST_SWAPPED = 6, 2
+MAX_SEARCH_STEPS, MAX_SWAPPED_EFFECTS = 6, 2
 
 
 Closes = Callable[[Model, Model], bool]
@@ -81,7 +81,7 @@ def _grown(
     model: Model,
     tell: Callable[[str], None],
     closes: Closes,
-    most: int = MOST_STEPS,
+    most: int = MAX_SEARCH_STEPS,
     first: float = 0.0,
     has_laws: bool = True,
 ) -> tuple[Model, list[Step]]:
@@ -90,14 +90,14 @@ def _grown(
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
         attempts = tried(model, has_laws)
-        form_error = SHARE * first
-        best = chosen(attempts, form_error, WORTH) or _closing(attempts, model, closes)
+        form_error = MIN_GAIN_FRACTION * first
+        best = chosen(attempts, form_error, MIN_GAIN_NATS) or _closing(attempts, model, closes)
         steps.append(Step(tuple(attempts), best, form_error))
         if best is None or best.model is None:
             break
         first = max(first, _first(steps))
         more = searched_again(replace(best.model, compares=False).rewhitened())
-        more = dropped(replace(more, compares=True).rewhitened(), WORTH).settled()
+        more = dropped(replace(more, compares=True).rewhitened(), MIN_GAIN_NATS).settled()
         if keys(more) == keys(model):
             break
         model = more
@@ -124,10 +124,10 @@ def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
         own = Attempt(effect, added_worth(less, model, effect), 1, model)
         others = (e for family in every_family(less) for e in family.variants)
         simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
-        near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MOST_SWAPPED]
+        near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MAX_SWAPPED_EFFECTS]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
         best = max((one for one in found if may_be(one)), key=lambda one: one.gain, default=own)
-        if best is own or best.model is None or best.gain < WORTH:
+        if best is own or best.model is None or best.gain < MIN_GAIN_NATS:
             continue
         if not may_be(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
             model, steps = best.model, [_with(step, best, own) for step in steps]
@@ -159,7 +159,7 @@ def resized(model: Model) -> Model:
     for effect in model.guess.effects:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
-            if worth(model.score, new.score, None) > RESIZED:
+            if worth(model.score, new.score, None) > MIN_RESIZING_NATS:
                 model = new
     return model
 
@@ -182,9 +182,9 @@ def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
         found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
-    enough = max(NEAR * found[0].gain, WORTH / 2)
-    names = [one for one in found if not isinstance(one.candidate, Law)][:MOST_REFITTED]
-    laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MOST_LAWS]
+    enough = max(REFINED_GAIN_FRACTION * found[0].gain, MIN_GAIN_NATS / 2)
+    names = [one for one in found if not isinstance(one.candidate, Law)][:MAX_REFITTED_EFFECTS]
+    laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MAX_REFITTED_LAWS]
     forms = FormError(model) if added(model) or model.laws else None
     near = [extended(model, screen, one, forms) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
@@ -197,7 +197,7 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
     for one in laws:
         assert isinstance(one.candidate, Law)
         groups.setdefault(one.candidate.kind, []).append(one)
-    alike = ([one for one in group if group[0].gain - one.gain <= CONFUSABLE] for group in groups.values())
+    alike = ([one for one in group if group[0].gain - one.gain <= CONFUSABLE_NATS] for group in groups.values())
     return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
 
 
@@ -214,7 +214,7 @@ def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt 
 def _closing(attempts: list[Attempt], model: Model, closes: Closes) -> Attempt | None:
     """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
     is cheap beside noise with a long memory, and adds up in rollouts."""
-    best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE)
+    best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE_NATS)
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
@@ -230,12 +230,12 @@ def _margin(one: Attempt, best: Attempt) -> float:
     assert best.model is not None
     is_form = isinstance(best.candidate, Law) and not isinstance(one.candidate, Law)
     by_chance = margin(one.model, best.model, *(each.gate for each in (one, best)))
-    return max(by_chance, SHARE * best.gain if is_form else 0.0)
+    return max(by_chance, MIN_GAIN_FRACTION * best.gain if is_form else 0.0)
 
 
 def may_be(one: Attempt) -> bool:
     """Whether somebody who knows carts would call a fitted attempt so, and stretches are sure of its gain."""
-    if one.gain < SURE * one.error:
+    if one.gain < GAIN_SIGMAS * one.error:
         return False
     assert one.model is not None
     if isinstance(one.candidate, Refit | Law):
@@ -247,17 +247,17 @@ def unseen(effect: Effect, model: Model) -> str:
     """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
     if (
         effect.gate is Gate.INSIDE
-        and sum(_time_outside(effect.values[:4], model.cart, b) for b in model.logs) < LEAST_SIDE
+        and sum(_time_outside(effect.values[:4], model.cart, b) for b in model.logs) < MIN_CHANGE_MARGIN
     ):
-        return f"no wheel was outside for {LEAST_SIDE:g} s"
-    name = ESSENTIAL.get(effect.name, "")
+        return f"no wheel was outside for {MIN_CHANGE_MARGIN:g} s"
+    name = ESSENTIAL_PARAMETERS.get(effect.name, "")
     if not name:
         return ""
     values, key = dict(zip(effect.keys, effect.values.tolist(), strict=True)), f"{effect.key}.{name}"
-    moment, force = LEVERS.get(effect.name, ("", ""))
-    beside = FORM_LEVER * abs(values[f"{effect.key}.{force}"]) if name == moment else 0.0
-    if abs(values[key]) <= TOLD * float(np.hypot(model.deviation(key), beside)):
-        return f"its {name} is within {TOLD:g} standard deviations of nought"
+    moment, force = MOMENT_BY_FORCE.get(effect.name, ("", ""))
+    beside = FORCE_LEVER_STD * abs(values[f"{effect.key}.{force}"]) if name == moment else 0.0
+    if abs(values[key]) <= ESSENTIAL_SIGMAS * float(np.hypot(model.deviation(key), beside)):
+        return f"its {name} is within {ESSENTIAL_SIGMAS:g} standard deviations of nought"
     return ""
 
 
@@ -283,7 +283,7 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
         new = model.refitted(model.cart.with_effect(effect))
         found = next(e for e in new.cart.effects if e.key == effect.key)
     colour = colour_of(new, found)
-    before = ODDS.get(found.name, 0.0) if isinstance(found, Effect) else 0.0
+    before = PRIOR_LOG_ODDS.get(found.name, 0.0) if isinstance(found, Effect) else 0.0
     before -= float(np.log(one.tried))
     gain = before + worth(model.score, new.score, colour)
     error = standard_error(model.score, new.score) if colour is None else 0.0

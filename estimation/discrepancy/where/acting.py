@@ -16,7 +16,7 @@ from ..search.model import Model
 from .residual import Residual
 from .where import Disagreement, runs
 
-WORDS = {Gate.WHILE: "while", Gate.FROM: "from when", Gate.INSIDE: "where"}
+GATE_WORDS = {Gate.WHILE: "while", Gate.FROM: "from when", Gate.INSIDE: "where"}
 
 
 def acting(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement]:
@@ -43,7 +43,7 @@ def _of(effect: Effect, model: Model, residual: Residual) -> Iterator[tuple[floa
         share = float(np.clip(beyond / max(residual.beyond.sum(), 1e-12), 0.0, 1.0))
         intervals, size = runs(motion.time[mask], motion.step), float(np.sqrt((residual.value[chosen] ** 2).mean()))
         span = f"t = {intervals[0][0]:.1f} to {intervals[-1][1]:.1f} s"
-        text = f"{100 * share:.0f} % of the misfit lies {WORDS[effect.gate]} {effect.name} acts, {span}"
+        text = f"{100 * share:.0f} % of the misfit lies {GATE_WORDS[effect.gate]} {effect.name} acts, {span}"
         told = Disagreement(intervals[0][0], intervals[-1][1], residual.coordinate, text, size, share, intervals)
         yield beyond, told
 

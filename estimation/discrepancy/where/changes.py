@@ -9,10 +9,10 @@ import ruptures
 
 from cartgrasp.frames import Array
 
-PENALTY = 3.0
+CHANGE_POINT_PENALTY = 3.0
 """Penalty of a change, times log n, in chi-squared: two for its place and its size, by Schwarz's criterion, and one for
 the search."""
-MOST = 400
+MAX_CHANGE_POINT_PLACES = 400
 """Most places that are looked at: in longer residuals every second, third, ... one."""
 
 
@@ -20,8 +20,10 @@ def changes(standard: Array) -> list[int]:
     """Places at which the size of a residual in standard deviations (n,) changes."""
     if len(standard) < 2:
         return []
-    search = ruptures.Pelt(custom_cost=_Size(), min_size=1, jump=1 + len(standard) // MOST)
-    return [int(place) for place in search.fit(standard[:, None]).predict(PENALTY * np.log(len(standard)))[:-1]]
+    search = ruptures.Pelt(custom_cost=_Size(), min_size=1, jump=1 + len(standard) // MAX_CHANGE_POINT_PLACES)
+    return [
+        int(place) for place in search.fit(standard[:, None]).predict(CHANGE_POINT_PENALTY * np.log(len(standard)))[:-1]
+    ]
 
 
 class _Size(ruptures.base.BaseCost):  # type: ignore[misc]

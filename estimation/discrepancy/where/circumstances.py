@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.balances import Balances
 from ..search.course import Course, rows_at
 
-SMOOTHED = 0.25
+WRENCH_AVERAGING_INTERVAL = 0.25
 """Time (s) on each side over which wrenches are averaged."""
 
 
@@ -41,7 +41,7 @@ class Circumstances:
         for k, balances in enumerate(logs):
             own = log == k
             rows = rows_at(balances.motion, time[own])
-            for arm, wrench in arm_wrenches(balances, cart, SMOOTHED).items():
+            for arm, wrench in arm_wrenches(balances, cart, WRENCH_AVERAGING_INTERVAL).items():
                 wrenches[arm][own] = wrench[rows]
                 contacts[arm][own] = _held(balances, arm, time[own])
         course = Course.of(time, log, [balances.motion for balances in logs])

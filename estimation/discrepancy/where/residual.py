@@ -17,23 +17,23 @@ from ..search.model import Model
 from .changes import changes
 from .circumstances import Circumstances
 
-LATERAL = "lateral_velocity"
-DIRECTIONS = {
+LATERAL_VELOCITY = "lateral_velocity"
+RESIDUAL_DIRECTIONS = {
     1: ("forward_force",),
     2: ("forward_force", "yaw_moment"),
     3: ("forward_force", "side_force", "yaw_moment"),
 }
 """Coordinates of the residual wrench, by the number of free directions."""
-LEAST_CREEP = 0.002
+MIN_CREEP_SPEED = 0.002
 """Least root mean square beyond noise (m/s) that is a disagreement: less is in every bearing."""
-UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL: "m/s"}
-STRETCH = 0.5
+RESIDUAL_UNITS = {"forward_force": "N", "side_force": "N", "yaw_moment": "N·m", LATERAL_VELOCITY: "m/s"}
+MEAN_STRETCH_INTERVAL = 0.5
 """Duration (s) of the stretches of means, where rows come as often as that."""
-FINE = 0.1
+FINE_ROW_STEP = 0.1
 """Step (s) from row to row, where a figure shows each."""
-EDGE = 1e-6
+STRETCH_EDGE_TOLERANCE = 1e-6
 """Tolerance as a share of a stretch: rows at its very begin are in it."""
-SURE = 3.0
+DISAGREEMENT_SIGMAS = 3.0
 """Standard deviations of what noise makes of the squares."""
 
 
@@ -51,7 +51,7 @@ class Residual:
 
     @property
     def unit(self) -> str:
-        return UNITS[self.coordinate]
+        return RESIDUAL_UNITS[self.coordinate]
 
     @property
     def standard(self) -> Array:
@@ -78,14 +78,16 @@ class Residual:
     @property
     def disagrees(self) -> bool:
         """Whether all stretches together are farther off than noise takes them, by an amount that counts."""
-        is_sure = self.beyond.sum() > SURE * (2 * len(self.beyond)) ** 0.5
-        return bool(is_sure and self.size > (LEAST_CREEP if self.coordinate == LATERAL else 0.0))
+        is_sure = self.beyond.sum() > DISAGREEMENT_SIGMAS * (2 * len(self.beyond)) ** 0.5
+        return bool(is_sure and self.size > (MIN_CREEP_SPEED if self.coordinate == LATERAL_VELOCITY else 0.0))
 
 
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
     """Residuals that `model` leaves of every coordinate, with standard deviations by `noise`, whose rows' noise is
     believed."""
-    return _residuals(model, noise, model.logs, max(STRETCH, *(balances.row_step for balances in model.logs)))
+    return _residuals(
+        model, noise, model.logs, max(MEAN_STRETCH_INTERVAL, *(balances.row_step for balances in model.logs))
+    )
 
 
 def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
@@ -96,7 +98,7 @@ def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
 
 def finely(logs: Sequence[Balances]) -> tuple[Balances, ...]:
     """Balances with rows as fine as any."""
-    return tuple(balances.every(FINE) for balances in logs)
+    return tuple(balances.every(FINE_ROW_STEP) for balances in logs)
 
 
 def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration: float) -> tuple[Residual, ...]:
@@ -105,7 +107,7 @@ def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration:
     log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
     start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))
     found = Circumstances.of(start + duration / 2, log, logs, model.cart)
-    names = (*DIRECTIONS[model.cart.constraints.n_free], LATERAL)
+    names = (*RESIDUAL_DIRECTIONS[model.cart.constraints.n_free], LATERAL_VELOCITY)
     return tuple(Residual(names[i], value[:, i], std[:, i], start, duration, found) for i in range(value.shape[1]))
 
 
@@ -115,7 +117,7 @@ def _means(balances: Balances, left: Array, whitening: Whitening, duration: floa
     is_fine = duration < 2 * balances.row_step
     first = float(balances.time[0]) - duration / 2 if is_fine else float(balances.motion.time[0])
     weight = balances.integrated(np.ones(len(balances.motion.time)))
-    place = (balances.time - first) / duration + EDGE
+    place = (balances.time - first) / duration + STRETCH_EDGE_TOLERANCE
     number, stretch = np.unique(place.astype(int), return_inverse=True)
     share = 1.0 / np.bincount(stretch)[stretch] / weight
     mean = csr_array((share, (stretch, np.arange(len(weight)))), shape=(len(number), len(weight)))

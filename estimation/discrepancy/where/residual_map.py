@@ -14,10 +14,10 @@ from .circumstances import Circumstances
 from .residual import Residual
 
 HEADING = "heading"
-BINS = 8
-HALF = np.pi / BINS
+PROFILE_BINS = 8
+HALF_HEADING_BIN = np.pi / PROFILE_BINS
 """Half of a heading's bin, rad: the floor's axes are in the middle of theirs."""
-FEWEST = 3
+MIN_STRETCHES_PER_BIN = 3
 """Fewest stretches in a bin that has a number."""
 
 
@@ -77,7 +77,7 @@ def profiles(residual: Residual, bins: Circumstances | None = None) -> Iterator[
 def means(residual: Residual, place: Array, edges: Array) -> tuple[Array, Array, Array]:
     """Means of a variable (b,) and of a residual over it, in bins (k,), and the standard deviations of the latter."""
     count, weight = _sums(place, edges), residual.std**-2.0
-    whole = np.where(count >= FEWEST, _sums(place, edges, weight), np.nan)
+    whole = np.where(count >= MIN_STRETCHES_PER_BIN, _sums(place, edges, weight), np.nan)
     at = _sums(place, edges, place) / np.where(count > 0, count, np.nan)
     return at, _sums(place, edges, weight * residual.value) / whole, whole**-0.5
 
@@ -104,7 +104,7 @@ def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
         ("yaw rate", "rad/s"): course.yaw_rate,
         ("floor's x", "m"): course.x,
         ("floor's y", "m"): course.y,
-        (HEADING, "rad"): wrap_angle(course.heading + HALF) - HALF,
+        (HEADING, "rad"): wrap_angle(course.heading + HALF_HEADING_BIN) - HALF_HEADING_BIN,
     }
     if found.wrenches:
         known |= {
@@ -119,9 +119,9 @@ def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
 def _edges(name: str, values: Array) -> Array:
     """Edges of bins that hold as much each; headings have bins of one width."""
     if name == HEADING:
-        return np.linspace(-np.pi, np.pi, BINS + 1) - HALF
+        return np.linspace(-np.pi, np.pi, PROFILE_BINS + 1) - HALF_HEADING_BIN
     known = values[np.isfinite(values)]
-    return np.unique(np.quantile(known, np.linspace(0, 1, BINS + 1))) if len(known) else known
+    return np.unique(np.quantile(known, np.linspace(0, 1, PROFILE_BINS + 1))) if len(known) else known
 
 
 def _sums(values: Array, edges: Array, weight: Array | None = None) -> Array:

@@ -11,31 +11,31 @@ from scipy.special import rel_entr
 
 from cartgrasp.frames import Array
 
-from ..search.course import ROLLING, Course
+from ..search.course import MIN_DIRECTED_SPEED, Course
 from ..search.laws import Law
 from .circumstances import Circumstances
-from .residual import UNITS, Residual
+from .residual import RESIDUAL_UNITS, Residual
 from .residual_map import means, most_followed
 
-LEAST_SHARE, LEAST_LIFT = 0.25, 1.4
+MIN_CONDITION_FRACTION, MIN_CONDITION_LIFT = 0.25, 1.4
 """Least share of the disagreement in a condition worth telling, and the least multiple of its share of the time."""
-LEAST_ALONG = 0.5
+MIN_DEPENDENCE_FRACTION = 0.5
 """Least share of the disagreement that goes with a variable worth telling."""
-MOST, PARTS = 5, 12
+MAX_SENTENCES, PARTS_PER_PERIOD = 5, 12
 """Most sentences; parts of a period."""
-MOST_KNOWN, WIDER = 0.8, 1.25
+MAX_OVERLAP_FRACTION, MAX_OVERLAP_WIDTH_RATIO = 0.8, 1.25
 """A condition says nothing new if this share of its disagreement lies in a told one that is at most so many times as
 wide."""
-SLOW, TURNING = 0.12, 0.08
+SLOW_SPEED, TURNING_RATE = 0.12, 0.08
 """Speed (m/s) below which a cart is slow; yaw rate (rad/s) above which it turns."""
-FAST_SHARE, STRONG_SHARE, WEAK_SHARE = 0.75, 0.7, 0.2
+FAST_SPEED_FRACTION, STRONG_WRENCH_FRACTION, WEAK_WRENCH_FRACTION = 0.75, 0.7, 0.2
 """Share of the fastest speed above which a cart is fast; shares of the largest force or moment for strong and weak
 ones."""
-LARGEST = 98.0
+LARGEST_PERCENTILE = 98.0
 """Percentile: what is larger is an accident."""
-AFTER_REVERSAL, AROUND = 0.4, 0.5
+AFTER_REVERSAL_DISTANCE, WORST_HALF_INTERVAL = 0.4, 0.5
 """Distance (m) after a reversal; time (s) about the worst stretch."""
-MOST_CONTACTS = 6
+MAX_LISTED_CONTACTS = 6
 
 
 def short(value: float) -> str:
@@ -65,7 +65,7 @@ class Disagreement:
     def sentence(self) -> str:
         """The disagreement in a sentence for people."""
         coordinate = self.coordinate.replace("_", " ").capitalize()
-        return f"{coordinate}, {short(self.size)} {UNITS[self.coordinate]}: {self.condition}"
+        return f"{coordinate}, {short(self.size)} {RESIDUAL_UNITS[self.coordinate]}: {self.condition}"
 
 
 def where(residuals: Sequence[Residual], first: Sequence[Disagreement] = ()) -> list[Disagreement]:
@@ -76,24 +76,24 @@ def where(residuals: Sequence[Residual], first: Sequence[Disagreement] = ()) -> 
         gathered = list(_gathering(residual))
         most = max((one.share for _, one in gathered), default=0.0)
         found += [*gathered, *((np.inf if one.share > most else 0.0, one) for one in _along(residual))]
-    return [*first, *(one for _, one in sorted(found, key=lambda told: -told[0]))][:MOST]
+    return [*first, *(one for _, one in sorted(found, key=lambda told: -told[0]))][:MAX_SENTENCES]
 
 
 def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
     """Conditions that gather the disagreement, with how much they tell. Left out is what says the same as one that
     tells more, or as all motion does."""
     course, told, others = residual.circumstances.course, [], list[np.ndarray]()
-    moves = (np.abs(course.speed) > ROLLING) | (np.abs(course.yaw_rate) > TURNING)
+    moves = (np.abs(course.speed) > MIN_DIRECTED_SPEED) | (np.abs(course.yaw_rate) > TURNING_RATE)
     total = max(float(residual.beyond[moves].sum()), 1e-12)
     for words, condition in _conditions(residual):
         chosen = condition & moves
         share = float(np.clip(residual.beyond[chosen].sum() / total, 0.0, 1.0))
         of_time = float(chosen.sum() / max(moves.sum(), 1))
-        if 0 < of_time < 1 and share >= LEAST_SHARE and share >= LEAST_LIFT * of_time:
+        if 0 < of_time < 1 and share >= MIN_CONDITION_FRACTION and share >= MIN_CONDITION_LIFT * of_time:
             known = total * float(rel_entr(share, of_time) + rel_entr(1 - share, 1 - of_time))
             text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * of_time:.0f} % of the time on the move)"
             told.append((known, chosen, share, text))
-    for known, chosen, share, text in sorted(told, key=lambda one: -one[0])[:MOST]:
+    for known, chosen, share, text in sorted(told, key=lambda one: -one[0])[:MAX_SENTENCES]:
         if not any(_says(residual, other, chosen) for other in others):
             others.append(chosen)
             yield known, _disagreement(residual, chosen, share, text)
@@ -104,9 +104,9 @@ def repeats(residual: Residual, values: Array, law: Law) -> Iterator[Disagreemen
     that is little."""
     if not (law.period and residual.disagrees):
         return
-    at, mean, std = means(residual, values % law.period, np.linspace(0.0, law.period, PARTS + 1))
+    at, mean, std = means(residual, values % law.period, np.linspace(0.0, law.period, PARTS_PER_PERIOD + 1))
     share = float(np.nansum((mean / std) ** 2 - 1.0) / residual.beyond.sum())
-    if share >= LEAST_SHARE:
+    if share >= MIN_CONDITION_FRACTION:
         low, high = int(np.nanargmin(mean)), int(np.nanargmax(mean))
         told = (f"{short(mean[k])} {residual.unit} at {short(at[k])} {law.unit} of it" for k in (low, high))
         text = f"{100 * min(share, 1.0):.0f} % of the misfit repeats every {law.period:.3g} {law.unit} of {law.name}: "
@@ -134,9 +134,9 @@ def _along(residual: Residual) -> Iterator[Disagreement]:
     """What the residual goes along with the most, where that is most of it; time only where nothing else comes near."""
     share, best = most_followed(residual)
     other, steadier = most_followed(residual, but="time")
-    if other >= MOST_KNOWN * share:
+    if other >= MAX_OVERLAP_FRACTION * share:
         share, best = other, steadier
-    if best is not None and share >= LEAST_ALONG:
+    if best is not None and share >= MIN_DEPENDENCE_FRACTION:
         ends = sorted((int(np.nanargmin(best.mean)), int(np.nanargmax(best.mean))))
         told = (f"{short(best.mean[k])} {residual.unit} at {short(best.at[k])} {best.unit}" for k in ends)
         text = f"{100 * share:.0f} % of the misfit goes with the {best.variable}: {', '.join(told)}"
@@ -145,8 +145,8 @@ def _along(residual: Residual) -> Iterator[Disagreement]:
 
 def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
     """Whether one condition says what another does: what this holds lies there."""
-    within = residual.beyond[told & chosen].sum() > MOST_KNOWN * residual.beyond[chosen].sum()
-    return bool(within and told.sum() <= WIDER * chosen.sum())
+    within = residual.beyond[told & chosen].sum() > MAX_OVERLAP_FRACTION * residual.beyond[chosen].sum()
+    return bool(within and told.sum() <= MAX_OVERLAP_WIDTH_RATIO * chosen.sum())
 
 
 def _conditions(residual: Residual) -> Iterator[Condition]:
@@ -160,15 +160,18 @@ def _conditions(residual: Residual) -> Iterator[Condition]:
 def _in_motion(course: Course) -> Iterator[Condition]:
     """Conditions of how the cart moves, along which quarter of the circle, and in which square metre."""
     speed, turning = course.speed, course.yaw_rate
-    moving, fast = np.abs(speed) > ROLLING, FAST_SHARE * float(np.abs(speed).max())
-    yield f"within {AFTER_REVERSAL} m after a reversal", moving & (course.since_reversal < AFTER_REVERSAL)
-    yield "while it rolls forward", speed > ROLLING
-    yield "while it rolls backward", speed < -ROLLING
-    yield f"below {SLOW} m/s", moving & (np.abs(speed) < SLOW)
+    moving, fast = np.abs(speed) > MIN_DIRECTED_SPEED, FAST_SPEED_FRACTION * float(np.abs(speed).max())
+    yield (
+        f"within {AFTER_REVERSAL_DISTANCE} m after a reversal",
+        moving & (course.since_reversal < AFTER_REVERSAL_DISTANCE),
+    )
+    yield "while it rolls forward", speed > MIN_DIRECTED_SPEED
+    yield "while it rolls backward", speed < -MIN_DIRECTED_SPEED
+    yield f"below {SLOW_SPEED} m/s", moving & (np.abs(speed) < SLOW_SPEED)
     yield f"above {fast:.2f} m/s", np.abs(speed) > fast
-    yield "while it turns left", turning > TURNING
-    yield "while it turns right", turning < -TURNING
-    yield "while it goes straight", moving & (np.abs(turning) <= TURNING)
+    yield "while it turns left", turning > TURNING_RATE
+    yield "while it turns right", turning < -TURNING_RATE
+    yield "while it goes straight", moving & (np.abs(turning) <= TURNING_RATE)
     for k, name in enumerate(("+x", "+y", "-x", "-y")):
         yield f"while it heads along the floor's {name}", np.round(course.heading / (np.pi / 2)) % 4 == k
     squares, number = np.unique(np.floor(course.place), axis=0, return_inverse=True)
@@ -185,7 +188,10 @@ def _in_time(residual: Residual) -> Iterator[Condition]:
             yield f"in {name}", own
         begins, ways, changes = start[own], found.course.travelled[own], residual.changes[k]
         worst = begins[int(np.argmax(residual.beyond[own]))]
-        yield f"at t = {worst:.1f} s{of_log} or within {AROUND} s", own & (np.abs(start - worst) <= AROUND)
+        yield (
+            f"at t = {worst:.1f} s{of_log} or within {WORST_HALF_INTERVAL} s",
+            own & (np.abs(start - worst) <= WORST_HALF_INTERVAL),
+        )
         for change in changes:
             at = f"t = {begins[change]:.1f} s{of_log}, {ways[change]:.1f} m of its way"
             yield f"after {at}", own & (start >= begins[change])
@@ -203,8 +209,8 @@ def _in_force(found: Circumstances) -> Iterator[Condition]:
         (found.total[:, 0], "N", "push it forward", "pull it backward", "push or pull"),
         (found.total[:, 2], "N·m", "turn it to the left", "turn it to the right", "turn it"),
     ):
-        most = float(np.percentile(np.abs(values), LARGEST))
-        strong, weak = STRONG_SHARE * most, WEAK_SHARE * most
+        most = float(np.percentile(np.abs(values), LARGEST_PERCENTILE))
+        strong, weak = STRONG_WRENCH_FRACTION * most, WEAK_WRENCH_FRACTION * most
         yield f"while the arms {more} with more than {short(strong)} {unit}", values > strong
         yield f"while the arms {less} with more than {short(strong)} {unit}", values < -strong
         yield f"while the arms {little} with less than {short(weak)} {unit}", np.abs(values) < weak
@@ -212,10 +218,10 @@ def _in_force(found: Circumstances) -> Iterator[Condition]:
     for arm in found.wrenches:
         who, strength = f"arm {arm}" if several else "the arm", found.strength(arm)
         if several:
-            strong = STRONG_SHARE * float(np.percentile(strength, LARGEST))
+            strong = STRONG_WRENCH_FRACTION * float(np.percentile(strength, LARGEST_PERCENTILE))
             yield f"while {who} gives more than {short(strong)} N", strength > strong
             yield f"while {who} gives most of the force", 2 * strength > whole
         held = np.round(found.contacts[arm], 2)
         places = np.unique(held[np.isfinite(held).all(axis=1)], axis=0)
-        for x, y in places if len(places) <= MOST_CONTACTS else ():
+        for x, y in places if len(places) <= MAX_LISTED_CONTACTS else ():
             yield f"while {who} holds at x = {x:.2f} m, y = {y:.2f} m of the cart", (held == (x, y)).all(axis=1)

@@ -9,8 +9,8 @@ import pytest
 
 from cartgrasp.effects import ViscousDrag
 from estimation.discrepancy.diagnosis.next_experiments import NOTHING_OPEN, Next, next_experiment, unseen_size
-from estimation.discrepancy.search.gains import CONFUSABLE
-from estimation.discrepancy.search.plausible import LEAST_SIZE
+from estimation.discrepancy.search.gains import CONFUSABLE_NATS
+from estimation.discrepancy.search.plausible import MIN_NAMED_SIZE_RATIO
 from estimation.experiments.manoeuvres import Limits, pieces
 from estimation.experiments.proposal import Experiment, Proposal, Question
 
@@ -71,8 +71,8 @@ def test_an_effect_is_asked_about_in_the_size_that_may_be_there_unseen():
     """Which shows by about three deviations; no less than what has a name."""
     drag = ViscousDrag(0.0, 0.0)
     assert unseen_size(drag, 1.0) == 1.0
-    assert unseen_size(drag, 10.0) * 10.0 == pytest.approx(math.sqrt(2.0 * CONFUSABLE))
-    assert unseen_size(drag, 1e4) == LEAST_SIZE
+    assert unseen_size(drag, 10.0) * 10.0 == pytest.approx(math.sqrt(2.0 * CONFUSABLE_NATS))
+    assert unseen_size(drag, 1e4) == MIN_NAMED_SIZE_RATIO
 
 
 def test_rivals_are_told_by_the_worse_of_both_ways(asked):

@@ -20,7 +20,7 @@ from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.findings.isolability import isolability
 from estimation.discrepancy.findings.named import NamedEffect
-from estimation.discrepancy.findings.verdicts import ADDED, ROUGHLY, WITHDRAWN, verdict
+from estimation.discrepancy.findings.verdicts import ADDED, NOT_FITTED, WITHDRAWN, verdict
 from estimation.discrepancy.log_check import checked, with_clock_offsets
 from estimation.discrepancy.search.attempts import Attempt, Step
 from estimation.discrepancy.search.laws import Law, smooth_laws
@@ -257,7 +257,7 @@ def test_a_verdict_is_what_the_numbers_say(diagnosis):
     assert verdict(step, added, final.refitted(final.guess)) == WITHDRAWN
     assert verdict(Step((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed beside what gained most"
     assert verdict(Step((odd,), None, 10.0), odd).startswith("a delay of 0.002 s")
-    assert verdict(Step((less,), None, 10.0), replace(less, model=None)) == ROUGHLY
-    assert verdict(step, replace(more, model=None)) == ROUGHLY
+    assert verdict(Step((less,), None, 10.0), replace(less, model=None)) == NOT_FITTED
+    assert verdict(step, replace(more, model=None)) == NOT_FITTED
     unsteady = "gains less than 1.5 standard deviations of its gain: from stretch to stretch it is not sure"
     assert verdict(step, replace(less, error=50.0)) == unsteady

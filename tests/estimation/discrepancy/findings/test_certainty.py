@@ -7,7 +7,7 @@ import pytest
 
 from cartgrasp.effects import RollingResistance
 from cartgrasp.wheels import Wheel
-from estimation.discrepancy.findings.certainty import SIZE_SHARE, Certainty
+from estimation.discrepancy.findings.certainty import SIZE_FORM_FRACTION, Certainty
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import BAND_MASS_RATIO, Band
@@ -50,7 +50,7 @@ def test_forms_leave_open_a_share_of_what_was_added(wheels):
     certainty, rolling = Certainty(model), model.cart.effects[-1]
     rows = np.sqrt(np.diagonal(certainty.covariance))
     for key, left in (
-        ("rolling_resistance.coefficient", SIZE_SHARE * rolling.coefficient),
+        ("rolling_resistance.coefficient", SIZE_FORM_FRACTION * rolling.coefficient),
         ("viscous_drag.linear", 0.0),
     ):
         own, told = list(certainty.parameters).index(key), certainty.parameters[key]

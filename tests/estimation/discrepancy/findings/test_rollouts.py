@@ -52,7 +52,7 @@ def test_rollouts_of_stiff_swivels_are_those_of_finer_steps(monkeypatch):
     balances = Balances.of(log, cart)
     first = starts(balances)
     found = rolled_out(balances, cart, first)[:, :2]
-    monkeypatch.setattr(module, "STEP", 2e-4)
+    monkeypatch.setattr(module, "MAX_ROLLOUT_STEP", 2e-4)
     assert np.isfinite(found).all()
     assert found == pytest.approx(rolled_out(balances, cart, first)[:, :2], abs=1e-3)
 

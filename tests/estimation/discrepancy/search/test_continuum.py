@@ -9,8 +9,8 @@ from scipy.signal import lfilter
 
 from cartgrasp.effects import LearnedForce
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.search.continuum import HUMP, NEIGHBOURS, beside_neighbours
-from estimation.discrepancy.search.gains import WORTH, worth
+from estimation.discrepancy.search.continuum import NEIGHBOURS_PER_SIDE, NOISE_HUMP_NATS, beside_neighbours
+from estimation.discrepancy.search.gains import MIN_GAIN_NATS, worth
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -59,11 +59,11 @@ def best_of(model):
 def test_a_line_stands_out_and_a_hump_does_not(seed):
     """Both gain as much beside white noise as what is told by name."""
     gain, beside = best_of(compared(line, seed))
-    assert gain > 2 * WORTH
-    assert beside > 2 * WORTH
+    assert gain > 2 * MIN_GAIN_NATS
+    assert beside > 2 * MIN_GAIN_NATS
     gain, beside = best_of(compared(wandering(seed), seed))
-    assert gain > 2 * WORTH
-    assert beside < WORTH
+    assert gain > 2 * MIN_GAIN_NATS
+    assert beside < MIN_GAIN_NATS
 
 
 def test_it_is_the_integral_over_the_noise_of_the_neighbours():
@@ -80,7 +80,7 @@ def test_it_is_the_integral_over_the_noise_of_the_neighbours():
         return ((np.append(left, np.zeros(len(prior))) - whole @ found) ** 2).sum()
 
     squares = []
-    for side in range(-NEIGHBOURS, NEIGHBOURS + 1):
+    for side in range(-NEIGHBOURS_PER_SIDE, NEIGHBOURS_PER_SIDE + 1):
         if abs(side) > 1:
             _, other = with_law(model, 1 / (1 / PERIOD + side / span))
             own = model.whitened([other.columns(balances, model.cart) for balances in model.logs]) / scale[:, None]
@@ -94,7 +94,7 @@ def test_it_is_the_integral_over_the_noise_of_the_neighbours():
         any_scale = quad(
             lambda x: np.exp(-count / 2 * (x - peak) - total / 2 * (np.exp(-x) - np.exp(-peak))), peak - 8, peak + 8
         )[0]
-        hump = np.log(any_scale) - count / 2 * peak - total / 2 * np.exp(-peak) - HUMP
+        hump = np.log(any_scale) - count / 2 * peak - total / 2 * np.exp(-peak) - NOISE_HUMP_NATS
         return np.logaddexp(-total / 2, hump)
 
     total, count = sum(squares), 2 * len(squares)

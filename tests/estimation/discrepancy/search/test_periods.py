@@ -11,7 +11,14 @@ from cartgrasp.effects import LearnedForce
 from estimation.discrepancy.search.course import Course
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.periods import HARMONICS, OF, Scan, coarse_columns, is_like_a_scans, scanned
+from estimation.discrepancy.search.periods import (
+    LAW_HARMONICS,
+    LAW_VARIABLE_OF,
+    Scan,
+    coarse_columns,
+    is_like_a_scans,
+    scanned,
+)
 from estimation.discrepancy.search.screening import Screen
 from estimation.weak_form.balances import Balances
 
@@ -30,7 +37,11 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     pull = random.standard_normal((2001, 2))
     acts_on = "world_force" if variable == "x" else "forward_force"
     scan = Scan(
-        variable, LearnedForce(acts_on, OF[variable], lever=lever, period=1.0), "", FREQUENCIES, HARMONICS[-1] * 4.0
+        variable,
+        LearnedForce(acts_on, LAW_VARIABLE_OF[variable], lever=lever, period=1.0),
+        "",
+        FREQUENCIES,
+        LAW_HARMONICS[-1] * 4.0,
     )
     weight = pull[:, 0] - lever * pull[:, 1]
     weight = weight * (np.cos(heading) if variable == "x" else 1.0)
@@ -45,7 +56,7 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
 
 @settings(max_examples=20, deadline=None)
 @given(
-    harmonics=st.sampled_from(HARMONICS),
+    harmonics=st.sampled_from(LAW_HARMONICS),
     frequency=st.floats(0.6, 3.5),
     seed=st.integers(0, 1000),
 )
@@ -58,7 +69,7 @@ def test_a_comb_is_highest_where_least_squares_leave_least(harmonics, frequency,
     pull = np.cos(np.outer(frequency * time, turns) + phases) @ sizes + 0.3 * random.standard_normal(2001)
     none = np.zeros(2001)
     course = Course(time, time, time, none, none, none, np.zeros((2001, 2)), time)
-    scan = Scan("time", LearnedForce("forward_force", "time", period=1.0), "", FREQUENCIES, HARMONICS[-1] * 4.0)
+    scan = Scan("time", LearnedForce("forward_force", "time", period=1.0), "", FREQUENCIES, LAW_HARMONICS[-1] * 4.0)
     power, frequencies = scan.power([course], [np.column_stack([pull, none])])
     combs = [one for one in scan.combs(power, frequencies) if one[2] == harmonics]
 

@@ -22,8 +22,8 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.search.attempts import Attempt
 from estimation.discrepancy.search.candidates import amplitudes_of, families
-from estimation.discrepancy.search.gains import CONFUSABLE, WORTH, absent
-from estimation.discrepancy.search.model import FORM_LEVER, Model
+from estimation.discrepancy.search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, absent
+from estimation.discrepancy.search.model import FORCE_LEVER_STD, Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.screening import Screen
 from estimation.discrepancy.search.search import chosen, keys
@@ -165,12 +165,12 @@ def test_what_stretches_contradict_is_not_taken():
     slope, rolling = FloorSlope(0.02, 0.0), RollingResistance(0.02)
     unsteady = Attempt(slope, 30.0, 1, model, 25.0)
     steady = Attempt(rolling, 28.0, 1, model, 5.0)
-    assert chosen([unsteady], 10.0, WORTH) is None
-    assert chosen([unsteady, steady], 10.0, WORTH) is steady
+    assert chosen([unsteady], 10.0, MIN_GAIN_NATS) is None
+    assert chosen([unsteady, steady], 10.0, MIN_GAIN_NATS) is steady
     vanished = Attempt(RollingResistance(0.0), 90.0, 1, model, 1.0)
-    assert chosen([vanished, steady], 10.0, WORTH) is steady
+    assert chosen([vanished, steady], 10.0, MIN_GAIN_NATS) is steady
     late = Attempt(TimeDelay(0.4), 90.0, 1, model)
-    assert chosen([late, steady], 10.0, WORTH) is steady
+    assert chosen([late, steady], 10.0, MIN_GAIN_NATS) is steady
 
 
 def test_another_size_of_what_the_file_has_is_a_step():
@@ -184,9 +184,9 @@ def test_what_every_cart_has_may_be_small_beside_another():
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
     rolling = Attempt(RollingResistance(0.02), 28.0, 1, model, 3.0)
     slope = Attempt(FloorSlope(0.02), 90.0, 1, model, 3.0)
-    assert chosen([slope, rolling], 100.0, WORTH) is rolling
-    assert chosen([slope], 100.0, WORTH) is None
-    assert chosen([replace(rolling, gain=9.0)], 0.0, WORTH) is None
+    assert chosen([slope, rolling], 100.0, MIN_GAIN_NATS) is rolling
+    assert chosen([slope], 100.0, MIN_GAIN_NATS) is None
+    assert chosen([replace(rolling, gain=9.0)], 0.0, MIN_GAIN_NATS) is None
 
 
 @pytest.mark.parametrize(("gain", "is_named"), [(99.0, True), (95.1, True), (94.9, False), (50.0, False)])
@@ -197,7 +197,7 @@ def test_a_name_keeps_what_a_law_fits_no_better_than_forms_differ(gain, is_named
     law = next(law for law, _ in Screen(model).laws() if law.name == "place")
     fitted = Attempt(law, 100.0, 1, replace(model, laws=(law,)).refitted(cart), 3.0)
     named = Attempt(FloorSlope(0.03, 0.02), gain, 1, fitted.model, 3.0)
-    assert chosen([fitted, named], 0.0, WORTH) is (named if is_named else fitted)
+    assert chosen([fitted, named], 0.0, MIN_GAIN_NATS) is (named if is_named else fitted)
 
 
 @pytest.mark.parametrize(("deviations", "is_one"), [(3.0, True), (-3.0, True), (1.0, False)])
@@ -205,9 +205,9 @@ def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
     """The moment is told where it is two deviations from nought, with those that the force's lever has."""
     cart = cart_of(TRUE).with_effect(WheelDragImbalance(4.0, 1.0))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
-    moment = deviations * np.hypot(model.deviation("wheel_drag_imbalance.moment"), FORM_LEVER * 4.0)
+    moment = deviations * np.hypot(model.deviation("wheel_drag_imbalance.moment"), FORCE_LEVER_STD * 4.0)
     told = Attempt(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
-    assert chosen([told], 0.0, WORTH) is (told if is_one else None)
+    assert chosen([told], 0.0, MIN_GAIN_NATS) is (told if is_one else None)
 
 
 @pytest.mark.parametrize(("far", "is_one"), [(0.5, True), (50.0, False)])
@@ -216,7 +216,7 @@ def test_a_floor_without_an_edge_is_no_patch(far, is_one):
     cart = cart_of(TRUE).with_effect(FloorPatch(-50.0, far, -50.0, 50.0, 0.02))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
     told = Attempt(cart.effects[-1], 90.0, 1, model)
-    assert chosen([told], 0.0, WORTH) is (told if is_one else None)
+    assert chosen([told], 0.0, MIN_GAIN_NATS) is (told if is_one else None)
 
 
 def test_settings_stay_near_what_is_plausible():
@@ -247,5 +247,5 @@ def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(fre
 def test_what_closes_the_gap_may_gain_less():
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
     slope = Attempt(FloorSlope(0.02, 0.0), 6.0, 1, model, 3.0)
-    assert chosen([slope], 0.0, WORTH) is None
-    assert chosen([slope], 0.0, CONFUSABLE) is slope
+    assert chosen([slope], 0.0, MIN_GAIN_NATS) is None
+    assert chosen([slope], 0.0, CONFUSABLE_NATS) is slope

@@ -14,7 +14,7 @@ from cartgrasp.model import CartModel
 from estimation.discrepancy.search.course import Course, since_reversal
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.where.circumstances import Circumstances, arm_wrenches
-from estimation.discrepancy.where.residual import LATERAL, residuals
+from estimation.discrepancy.where.residual import LATERAL_VELOCITY, residuals
 from estimation.discrepancy.where.residual_map import residual_maps
 from estimation.discrepancy.where.where import where
 from estimation.weak_form.balances import Balances
@@ -55,7 +55,7 @@ def test_a_force_that_nobody_knows_of_is_in_the_forward_residual(log, quiet):
     forward, yaw, aside = residuals(model, quiet)
     inside = (forward.start >= 9.0) & (forward.start < 11.6)
     assert forward.value[inside].mean() - forward.value[~inside].mean() == pytest.approx(5.0, rel=0.2)
-    assert (forward.coordinate, yaw.coordinate, aside.coordinate) == ("forward_force", "yaw_moment", LATERAL)
+    assert (forward.coordinate, yaw.coordinate, aside.coordinate) == ("forward_force", "yaw_moment", LATERAL_VELOCITY)
     assert (yaw.unit, aside.unit) == ("N·m", "m/s")
     first = where([forward])[0]
     assert (first.start, first.stop) == pytest.approx((9.0, 12.0), abs=0.6)
@@ -105,7 +105,7 @@ def test_wheels_at_an_angle_go_sideways_in_proportion_to_the_speed():
     bare = CartModel(Inertia(24.0, (0.28, 0.06), 2.2))
     straight = started(circles(), bare)
     found = residuals(started(circles(angle=0.03), bare), straight)[-1]
-    assert found.coordinate == LATERAL
+    assert found.coordinate == LATERAL_VELOCITY
     assert np.polyfit(found.circumstances.course.speed, found.value, 1)[0] == pytest.approx(np.tan(0.03), rel=0.1)
     assert found.disagrees
     assert not residuals(straight, straight)[-1].disagrees

@@ -13,11 +13,11 @@ from hypothesis import strategies as st
 from cartgrasp.effects import LearnedForce
 from estimation.discrepancy.search.course import Course
 from estimation.discrepancy.search.periods import Scan
-from estimation.discrepancy.where.changes import PENALTY, changes
+from estimation.discrepancy.where.changes import CHANGE_POINT_PENALTY, changes
 from estimation.discrepancy.where.circumstances import Circumstances
-from estimation.discrepancy.where.residual import LATERAL, LEAST_CREEP, Residual
+from estimation.discrepancy.where.residual import LATERAL_VELOCITY, MIN_CREEP_SPEED, Residual
 from estimation.discrepancy.where.residual_map import residual_maps
-from estimation.discrepancy.where.where import MOST, repeats, where
+from estimation.discrepancy.where.where import MAX_SENTENCES, repeats, where
 
 STRETCHES, DURATION = 240, 0.5
 
@@ -163,7 +163,7 @@ def test_few_things_are_told():
     found = circumstances(8)
     assert (
         len(where([residual(found, 5.0 * found.course.speed, name) for name in ("forward_force", "yaw_moment")]))
-        <= MOST
+        <= MAX_SENTENCES
     )
 
 
@@ -208,8 +208,8 @@ def test_noise_disagrees_nowhere():
 def test_a_creep_that_every_bearing_has_is_not_told():
     found = circumstances(3)
     creep = np.where(found.course.speed > 0.4, 1.0, 0.0)
-    for size, count in ((LEAST_CREEP, 0), (3 * LEAST_CREEP, 1)):
-        told = where([residual(found, size * creep, LATERAL, std=1e-4)])
+    for size, count in ((MIN_CREEP_SPEED, 0), (3 * MIN_CREEP_SPEED, 1)):
+        told = where([residual(found, size * creep, LATERAL_VELOCITY, std=1e-4)])
         assert bool(told) == bool(count)
 
 
@@ -228,7 +228,7 @@ def test_changes_are_the_best_of_all(values):
     def total(places):
         ends = (0, *places, n)
         each = sum(cost(standard, a, b) for a, b in pairwise(ends))
-        return each + PENALTY * np.log(n) * len(places)
+        return each + CHANGE_POINT_PENALTY * np.log(n) * len(places)
 
     best = min(total(places) for k in range(n) for places in combinations(range(1, n), k))
     assert total(changes(standard)) == pytest.approx(best)
