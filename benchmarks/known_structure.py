@@ -12,8 +12,8 @@ from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.findings.held_out import held_out_rollouts
+from estimation.discrepancy.search.backward_elimination import searched_again
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.revisited import searched_again
 from estimation.discrepancy.search.search import resized
 from estimation.impacts.impacts import impacts
 from estimation.log_noise.glitches import without_glitches

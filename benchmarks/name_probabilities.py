@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from estimation.discrepancy.findings.named import ALTERNATIVE_ODDS_WEIGHT, true_alone
+from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, true_alone
 from estimation.discrepancy.search.gains import MIN_GAIN_NATS
 
 from .sealed.calibration import bins, brier
@@ -101,8 +101,8 @@ def reliability(folders: Sequence[Path], others: Sequence[Path], reports: str, f
     rows = [
         f"Fitted to {len(first.said)} names, of which {int(first.right.sum())} are true: log odds {numbers[0]:.2f} at "
         f"{MIN_GAIN_NATS:g} nats, {numbers[1]:.2f} more for each time e as many, {numbers[2]:.2f} less for each "
-        f"time e that the largest gain is larger; rivals' odds count {numbers[3]:.3f} times; {numbers[4]:.2f} less of what closes "
-        f"nothing. Of {len(second.said)} others:",
+        f"time e that the largest gain is larger; rivals' odds count {numbers[3]:.3f} times; {numbers[4]:.2f} less "
+        f"of what closes nothing. Of {len(second.said)} others:",
         "",
         HEADER,
     ]

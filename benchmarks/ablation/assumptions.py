@@ -105,7 +105,7 @@ ASSUMPTIONS = (
         },
     ),
     *_of(
-        "discrepancy.search.course",
+        "discrepancy.search.covariates",
         {"MIN_DIRECTED_SPEED": "speed from which on a motion has a direction, in drags of laws"},
     ),
     *_of(
@@ -137,9 +137,9 @@ ASSUMPTIONS = (
             "TIMING_STD_FRACTION": "of a step, how late a sensor's samples may be",
         },
     ),
-    *_of("discrepancy.findings.rivals", {"NATS_PER_NUMBER": "nats for each number that a rival takes less"}),
+    *_of("discrepancy.findings.alternatives", {"NATS_PER_NUMBER": "nats for each number that a rival takes less"}),
     *_of(
-        "discrepancy.findings.named",
+        "discrepancy.findings.named_effects",
         {
             "NAME_BASE_LOG_ODDS": "log odds that a name is true which gains what a name is worth and closes some of "
             "the gap",
@@ -155,44 +155,52 @@ ASSUMPTIONS = (
     ),
     # what is usual: the table of priors
     Constant(
-        "discrepancy.search.plausible",
+        "discrepancy.search.plausibility",
         "PRIOR_LOG_ODDS[rolling_resistance]",
         B,
         0.0,
         "log odds of rolling resistance before data",
     ),
-    Constant("discrepancy.search.plausible", "MIN_SETTINGS[time_delay.delay]", B, 0.0, "least delay with a name"),
-    Constant("discrepancy.search.plausible", "MIN_SETTINGS[load_slosh.damping]", B, 0.0, "least damping of a load"),
-    Constant("discrepancy.search.plausible", "MAX_SETTINGS[time_delay.delay]", B, inf, "largest delay with a name"),
-    Constant("discrepancy.search.plausible", "MAX_SETTINGS[load_slosh.damping]", B, inf, "largest damping of a load"),
+    Constant("discrepancy.search.plausibility", "MIN_SETTINGS[time_delay.delay]", B, 0.0, "least delay with a name"),
+    Constant("discrepancy.search.plausibility", "MIN_SETTINGS[load_slosh.damping]", B, 0.0, "least damping of a load"),
+    Constant("discrepancy.search.plausibility", "MAX_SETTINGS[time_delay.delay]", B, inf, "largest delay with a name"),
     Constant(
-        "discrepancy.search.plausible", "MAX_SETTINGS[load_slosh.frequency]", B, inf, "highest frequency of a load"
+        "discrepancy.search.plausibility", "MAX_SETTINGS[load_slosh.damping]", B, inf, "largest damping of a load"
     ),
-    Constant("discrepancy.search.plausible", "MAX_SETTINGS[external_push.duration]", B, inf, "longest push"),
     Constant(
-        "discrepancy.search.plausible",
+        "discrepancy.search.plausibility", "MAX_SETTINGS[load_slosh.frequency]", B, inf, "highest frequency of a load"
+    ),
+    Constant("discrepancy.search.plausibility", "MAX_SETTINGS[external_push.duration]", B, inf, "longest push"),
+    Constant(
+        "discrepancy.search.plausibility",
         "MAX_SETTINGS[stribeck_friction.speed]",
         B,
         inf,
         "largest speed of Stribeck friction",
     ),
     Constant(
-        "discrepancy.search.plausible", "MAX_SETTINGS[caster_realignment.trail]", B, inf, "longest trail of a caster"
+        "discrepancy.search.plausibility", "MAX_SETTINGS[caster_realignment.trail]", B, inf, "longest trail of a caster"
     ),
-    Constant("discrepancy.search.plausible", "MIN_SETTINGS[force_scale.gain]", B, 0.0, "least gain of a sensor"),
-    Constant("discrepancy.search.plausible", "MAX_SETTINGS[force_scale.gain]", B, inf, "largest gain of a sensor"),
+    Constant("discrepancy.search.plausibility", "MIN_SETTINGS[force_scale.gain]", B, 0.0, "least gain of a sensor"),
+    Constant("discrepancy.search.plausibility", "MAX_SETTINGS[force_scale.gain]", B, inf, "largest gain of a sensor"),
     Constant(
-        "discrepancy.search.plausible", "MAX_SETTINGS[force_misalignment.angle]", B, inf, "largest angle of a sensor"
-    ),
-    Constant(
-        "discrepancy.search.plausible", "MAX_SETTINGS[contact_offset.y]", B, inf, "farthest of a hand from its contact"
+        "discrepancy.search.plausibility", "MAX_SETTINGS[force_misalignment.angle]", B, inf, "largest angle of a sensor"
     ),
     Constant(
-        "discrepancy.search.plausible", "UBIQUITOUS_EFFECTS", B, (), "what every cart has, or every chain of sensors"
+        "discrepancy.search.plausibility",
+        "MAX_SETTINGS[contact_offset.y]",
+        B,
+        inf,
+        "farthest of a hand from its contact",
     ),
-    Constant("discrepancy.search.plausible", "ESSENTIAL_PARAMETERS", B, {}, "what makes an effect what its name says"),
     Constant(
-        "discrepancy.search.plausible", "MOMENT_BY_FORCE", B, {}, "effects whose moment is their force at a wheel"
+        "discrepancy.search.plausibility", "UBIQUITOUS_EFFECTS", B, (), "what every cart has, or every chain of sensors"
+    ),
+    Constant(
+        "discrepancy.search.plausibility", "ESSENTIAL_PARAMETERS", B, {}, "what makes an effect what its name says"
+    ),
+    Constant(
+        "discrepancy.search.plausibility", "MOMENT_BY_FORCE", B, {}, "effects whose moment is their force at a wheel"
     ),
     Constant("weak_form.band", "INERTIAL_EFFECTS", B, (), "names that nobody gets who does not push"),
     Constant("discrepancy.search.candidates", "TURNING_EFFECTS", B, (), "names that no cart on a rail gets"),

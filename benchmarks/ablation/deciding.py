@@ -47,16 +47,16 @@ DECIDING = (
         "discrepancy.search.model", "MIN_LONG_MEANS", A, 1, "means, of which shorter ones are where a log is short"
     ),
     # what may be called so
-    Constant("discrepancy.search.plausible", "MIN_NAMED_SIZE_RATIO", A, 0.0, "least size of a named effect"),
+    Constant("discrepancy.search.plausibility", "MIN_NAMED_SIZE_RATIO", A, 0.0, "least size of a named effect"),
     Constant(
-        "discrepancy.search.plausible",
+        "discrepancy.search.plausibility",
         "BOUND_SLACK_RATIO",
         A,
         inf,
         "times what is plausible that estimates may be",
     ),
     Constant(
-        "discrepancy.search.plausible",
+        "discrepancy.search.plausibility",
         "ESSENTIAL_SIGMAS",
         A,
         0.0,
@@ -70,7 +70,7 @@ DECIDING = (
         "times the error on unseen stretches that speaks against a name",
     ),
     Constant(
-        "discrepancy.findings.upheld",
+        "discrepancy.findings.validation",
         "MIN_GAP_CLOSED_FRACTION",
         A,
         1.0,

@@ -74,7 +74,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MAX_RANGE_DOUBLINGS": "range of a grid",
         "SETTING_GRID_POINTS": "grid",
     },
-    "discrepancy.where.acting": {"GATE_WORDS": "words"},
+    "discrepancy.where.effect_disagreements": {"GATE_WORDS": "words"},
     "discrepancy.diagnosis.diagnosis": {
         "MASS_DIFFERENCE_SIGMAS": "a warning",
     },
@@ -168,7 +168,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MIN_TURNING_RATE": "words on the motion",
     },
     "discrepancy.search.model": {"SETTLING_ROUNDS": "effort"},
-    "discrepancy.findings.named": {"PRESENT_SIGMAS": "which of an effect's numbers are told"},
+    "discrepancy.findings.named_effects": {"PRESENT_SIGMAS": "which of an effect's numbers are told"},
     "discrepancy.diagnosis.next_experiments": {
         "INDISTINCT_SIGMAS": "words",
         "NOTHING_OPEN": "words",
@@ -248,8 +248,8 @@ REASONS: dict[str, dict[str, str]] = {
         "MIN_COVARIANCE_RATIO": "keeps solvable",
         "MAX_SENSOR_DELAY": "a delay that nobody asks about",
     },
-    "discrepancy.findings.rivals": {"MAX_LOG_ODDS": "keeps finite"},
-    "discrepancy.findings.soft_push": {"HALF_SINE_LEAD_FRACTION": "geometry of half a sine"},
+    "discrepancy.findings.alternatives": {"MAX_LOG_ODDS": "keeps finite"},
+    "discrepancy.findings.half_sine_push": {"HALF_SINE_LEAD_FRACTION": "geometry of half a sine"},
     "discrepancy.findings.verdicts": dict.fromkeys(
         ("ADDED", "OTHER_SIZE", "WITHDRAWN", "NOT_FITTED", "FORM_ERROR_WORDS"), "words"
     ),

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from estimation import CartFilter
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.log_noise.marks import without_marks
+from estimation.log_noise.sentinel_values import without_marks
 from estimation.whole_log.coasting import prior_of, with_known_wrench
 from estimation.whole_log.replay import replay
 

@@ -14,9 +14,9 @@ from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.run_log import ArmLog
 
-from .marks import without_marks
 from .outliers import MEDIAN_WINDOW_ROWS, outlying
 from .resolution import ROUNDING_STD, resolution
+from .sentinel_values import without_marks
 
 GLITCH_SIGMAS = 20.0
 """Times the noise."""

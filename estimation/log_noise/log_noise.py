@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 from ..noise import FilterNoise
 from .disagreement import velocity_noise
 from .resolution import ROUNDING_STD, resolution
-from .velocity_colour import loudness
+from .velocity_autocorrelation import loudness
 
 MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, MIN_FORCE_NOISE, MIN_MOMENT_NOISE = 2e-6, 1e-4, 0.01, 0.001
 DISTURBANCE_FRACTION = 0.01

@@ -20,7 +20,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.glitches import without_glitches
-from ..log_noise.marks import without_marks
+from ..log_noise.sentinel_values import without_marks
 from ..weak_form.balances import Balances
 from ..weak_form.log_segments import MAX_SEGMENT_POSE_GAP, split_at_gaps
 from ..weak_form.motion import Motion, motion_of
@@ -28,9 +28,9 @@ from .fixed_wheels import of_wheels
 from .heading import of_headings
 from .heading_drift import drifting, heading_drift, without_drift
 from .jumps import jumps
-from .lengths import of_lengths
+from .length_unit import of_lengths
 from .overview import Overview
-from .recorder import frozen, interpolated, quantised, repeated, slow, unread
+from .recording_artefacts import frozen, interpolated, quantised, repeated, slow, unread
 from .repeated_rows import without_repeats
 from .suspicion import Suspicion
 from .velocities import of_velocities

@@ -13,8 +13,8 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from ..log_noise.marks import without_marks
 from ..log_noise.resolution import ROUND_OFF_TOLERANCE, STEP_QUANTILE
+from ..log_noise.sentinel_values import without_marks
 from .clipped_wrenches import without_clipped
 from .frozen_wrenches import without_frozen
 

@@ -17,7 +17,7 @@ from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
 from ..sensor_check.heading_drift import heading_drift, without_drift
 from ..sensor_check.jumps import jump_times
-from ..sensor_check.recorder import blank_columns
+from ..sensor_check.recording_artefacts import blank_columns
 from ..sensor_check.repeated_rows import without_repeats
 from ..sensor_check.sizes import check_jumps, check_sizes
 from ..weak_form.balances import Balances

@@ -16,7 +16,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.roles import Estimator
 
-from ..log_noise.marks import without_marks
+from ..log_noise.sentinel_values import without_marks
 from ..online.paper_filter import DIVERGED
 from .coasting import with_known_wrench
 

@@ -22,7 +22,7 @@ from benchmarks.ablation.sources import copies, declared, names_in, worked_out_f
 from cartgrasp.effects import FloorSlope
 from cartgrasp.errors import UsageError
 from estimation.discrepancy.findings import verdicts
-from estimation.discrepancy.search import attempts, gains
+from estimation.discrepancy.search import gains, scored_candidates
 
 ABLATED = [c for c in CONSTANTS if c.group is not Group.WORKS_OUT]
 BY_NAME = {c.full_name: c for c in CONSTANTS}
@@ -122,9 +122,9 @@ def test_who_has_copies_is_found_by_text_too():
 def test_what_reads_a_copy_follows():
     """`verdicts` has a copy of `gains.GAIN_SIGMAS`: a gain of twice its error is sure, but not if ten times are
     asked for."""
-    slope = attempts.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
-    best = attempts.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
-    step = attempts.Step((best, slope), best)
+    slope = scored_candidates.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
+    best = scored_candidates.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
+    step = scored_candidates.Step((best, slope), best)
     assert verdicts.verdict(step, slope) == "gains 40.0 nats less than floor_slope"
     with patched(SURE, 10.0):
         assert "less than 10 standard deviations of its gain" in verdicts.verdict(step, slope)
@@ -194,6 +194,6 @@ def test_a_move_says_its_value():
         1.3 * gains.MIN_GAIN_NATS,
     )
     assert (one.full_name, one.attribute, one.entry) == ("gains.MIN_GAIN_NATS", "MIN_GAIN_NATS", "")
-    entry = BY_NAME["plausible.MAX_SETTINGS[time_delay.delay]"]
+    entry = BY_NAME["plausibility.MAX_SETTINGS[time_delay.delay]"]
     assert (entry.attribute, entry.entry) == ("MAX_SETTINGS", "time_delay.delay")
-    assert entry.value == import_module("estimation.discrepancy.search.plausible").MOST["time_delay.delay"]
+    assert entry.value == import_module("estimation.discrepancy.search.plausibility").MAX_SETTINGS["time_delay.delay"]

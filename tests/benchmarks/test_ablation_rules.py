@@ -12,8 +12,8 @@ from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.patching import patched
 from benchmarks.ablation.rules import RULES
 from benchmarks.ablation.watching import noticed
-from estimation.discrepancy.findings import refusal, upheld
-from estimation.discrepancy.findings.told_mass import told_mass
+from estimation.discrepancy.findings import refusal, validation
+from estimation.discrepancy.findings.reported_mass import told_mass
 from estimation.weak_form.band import Band
 
 BY_NAME = {rule.full_name: rule for rule in RULES}
@@ -36,13 +36,13 @@ def test_a_rule_is_taken_away_and_put_back(rule):
 
 def test_a_rule_is_taken_away_where_it_was_imported():
     with patched(BY_NAME["refusal.is_beyond"], BY_NAME["refusal.is_beyond"].off):
-        assert upheld.is_beyond(None, 0.1) is True
-    assert upheld.is_beyond is refusal.is_beyond
+        assert validation.is_beyond(None, 0.1) is True
+    assert validation.is_beyond is refusal.is_beyond
 
 
 def test_a_rule_is_noticed_where_it_says_something_else():
     """Without bands a mass is told as it is fitted; between bands that leave 10 % open it is not."""
-    rule = BY_NAME["told_mass.told_mass"]
+    rule = BY_NAME["reported_mass.told_mass"]
     band = Band(row_step=0.3, mass=30.0, std=0.3, bracket=3.0)
     for bands, is_noticed in (([], False), ([band], True)):
         said, found = noticed(lambda bands=bands: _now()(3.4, 0.1, bands), [rule], MOVES)
@@ -51,4 +51,4 @@ def test_a_rule_is_noticed_where_it_says_something_else():
 
 
 def _now():
-    return import_module("estimation.discrepancy.findings.told_mass").told_mass
+    return import_module("estimation.discrepancy.findings.reported_mass").told_mass

@@ -12,7 +12,7 @@ from hypothesis import strategies as st
 
 from benchmarks.ablation.every import CONSTANTS
 from benchmarks.ablation.watching import Watched, is_watched, noticed
-from estimation.discrepancy.search import gains, plausible
+from estimation.discrepancy.search import gains, plausibility
 
 KEYS = (("a", "off"), ("a", "1.3"), ("b", "off"))
 NUMBERS = st.floats(-5, 5).map(lambda x: round(x, 2) + 0.0) | st.sampled_from([0.0, 1.0, math.inf])
@@ -73,21 +73,21 @@ def test_constants_are_watched_together_and_for_a_while():
     known = {c.full_name: c for c in CONSTANTS}
     constants = [
         known[name]
-        for name in ("gains.MIN_GAIN_NATS", "plausible.MIN_SETTINGS[time_delay.delay]", "candidates.TURNING_EFFECTS")
+        for name in ("gains.MIN_GAIN_NATS", "plausibility.MIN_SETTINGS[time_delay.delay]", "candidates.TURNING_EFFECTS")
     ]
-    before = gains.MIN_GAIN_NATS, dict(plausible.MIN_SETTINGS)
+    before = gains.MIN_GAIN_NATS, dict(plausibility.MIN_SETTINGS)
     delay = before[1]["time_delay.delay"]
 
     def diagnosed():
-        return 1.2 * before[0] > gains.MIN_GAIN_NATS, 0.9 * delay < plausible.MIN_SETTINGS["time_delay.delay"]
+        return 1.2 * before[0] > gains.MIN_GAIN_NATS, 0.9 * delay < plausibility.MIN_SETTINGS["time_delay.delay"]
 
     said, found = noticed(diagnosed, constants, ("off", "0.7", "1.3"))
     assert said == (True, True)
     assert found == {
         ("gains.MIN_GAIN_NATS", "1.3"),
-        ("plausible.MIN_SETTINGS[time_delay.delay]", "off"),
-        ("plausible.MIN_SETTINGS[time_delay.delay]", "0.7"),
+        ("plausibility.MIN_SETTINGS[time_delay.delay]", "off"),
+        ("plausibility.MIN_SETTINGS[time_delay.delay]", "0.7"),
         ("candidates.TURNING_EFFECTS", "off"),  # names are not watched
     }
-    assert (gains.MIN_GAIN_NATS, dict(plausible.MIN_SETTINGS)) == before
+    assert (gains.MIN_GAIN_NATS, dict(plausibility.MIN_SETTINGS)) == before
     assert [is_watched(c) for c in constants] == [True, True, False]

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.name_probabilities import Names, fitted, names, reliability
-from estimation.discrepancy.findings.named import ALTERNATIVE_ODDS_WEIGHT, true_alone
+from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, true_alone
 
 
 def drawn(numbers, count, seed):

@@ -33,18 +33,18 @@ from ..findings.certainty import Certainty
 from ..findings.gap import DISAGREEMENT_NOISE_RATIO, MAX_GAP_LEFT_FRACTION, Gap, told_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
-from ..findings.named import NamedEffect, doubted, named, named_stops
+from ..findings.named_effects import NamedEffect, doubted, named, named_stops
 from ..findings.rollouts import starts
-from ..findings.upheld import certainty_of, closes_most, rollout_error, upheld, without
+from ..findings.validation import certainty_of, closes_most, rollout_error, upheld, without
 from ..findings.verdicts import may_follow
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
-from ..search.attempts import Step
 from ..search.candidates import free_label
 from ..search.gains import added
 from ..search.laws import Law, row_values
 from ..search.model import Model
+from ..search.scored_candidates import Step
 from ..search.search_in_band import at_rest, searched
-from ..where.acting import acting
+from ..where.effect_disagreements import acting
 from ..where.residual import Residual, fine_residuals, finely, residuals
 from ..where.residual_map import ResidualMap, residual_maps
 from ..where.where import Disagreement, repeats, where

@@ -18,11 +18,11 @@ from cartgrasp.information import WrenchNoise
 from ...experiments.proposal import Experiment, Proposal, Question
 from ...experiments.separation import Belief, Hands
 from ...weak_form.coordinates import jacobian
-from ..findings.rivals import rivals
+from ..findings.alternatives import rivals
 from ..search.candidates import amplitudes_of
 from ..search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, added, every_family
 from ..search.model import Model
-from ..search.plausible import MIN_NAMED_SIZE_RATIO, is_plausible
+from ..search.plausibility import MIN_NAMED_SIZE_RATIO, is_plausible
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis

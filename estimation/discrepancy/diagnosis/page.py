@@ -9,7 +9,7 @@ import html
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..findings.named import together, with_unit, words_of
+from ..findings.named_effects import together, with_unit, words_of
 from ..findings.verdicts import verdict
 from ..log_check import HEADING_SECTORS, LogCheck
 from ..where.residual import RESIDUAL_UNITS

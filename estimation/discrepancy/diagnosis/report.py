@@ -14,8 +14,8 @@ from cartgrasp.writing import together, write_atomically
 from ..findings.verdicts import called, verdict
 
 if TYPE_CHECKING:
-    from ..search.attempts import Step
     from ..search.model import Model
+    from ..search.scored_candidates import Step
     from .diagnosis import Diagnosis
 
 

@@ -13,7 +13,7 @@ from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
-from ..findings.driven import Driven
+from ..findings.forced_motion import Driven
 from ..findings.held_out import HELD_OUT_FOLDS, fold_carts, fold_starts
 from ..findings.rollouts import HORIZONS, rolled_out, rollouts
 from .drawing import MODEL_COLOURS, grid

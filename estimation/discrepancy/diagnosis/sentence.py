@@ -6,7 +6,7 @@ from typing import TYPE_CHECKING
 
 from cartgrasp.effects import Effect
 
-from ..findings.named import together, words_of
+from ..findings.named_effects import together, words_of
 from ..findings.verdicts import called, verdict
 from ..search.gains import CONFUSABLE_NATS
 

@@ -26,9 +26,9 @@ from ..search.laws import Law
 from ..search.model import FORCE_LEVER_STD, Model
 from ..search.refine import is_open, moves, refined
 from ..search.screening import Screen
+from .half_sine_push import begun_earlier, soft_gain, with_impulse_of
 from .learned import LearnedLaw, learned
-from .soft_push import begun_earlier, soft_gain, with_impulse_of
-from .told_mass import told_mass
+from .reported_mass import told_mass
 
 IDENTIFIED_STD_RATIO = 0.25
 """Share of a usual first guess's standard deviation (`Prior`): what is known better was taught."""

@@ -19,8 +19,8 @@ from ...weak_form.band import Band, band_in
 from ...weak_form.coordinates import coordinates, with_coordinates
 from ..search.model import Model
 from .fast_noise import fast_noise
+from .reported_mass import told_mass
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
-from .told_mass import told_mass
 
 HELD_OUT_FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""

@@ -14,7 +14,7 @@ from cartgrasp.simulation.integrate import runge_kutta_4
 
 from ...standstill import STANDSTILL_SPEED
 from ...weak_form.balances import Balances
-from .driven import Driven
+from .forced_motion import Driven
 
 HORIZONS = (0.5, 1.0, 2.0)
 """Horizons of rollouts (s)."""

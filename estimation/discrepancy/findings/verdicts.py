@@ -6,11 +6,11 @@ from collections.abc import Sequence
 
 from cartgrasp.effects import Effect
 
-from ..search.attempts import Attempt, Refit, Step
 from ..search.gains import GAIN_SIGMAS, MIN_GAIN_NATS
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import PRIOR_LOG_ODDS, objection
+from ..search.plausibility import PRIOR_LOG_ODDS, objection
+from ..search.scored_candidates import Attempt, Refit, Step
 from ..search.search import least_gain, may_be, unseen
 
 ADDED, OTHER_SIZE = "added", "given another size"

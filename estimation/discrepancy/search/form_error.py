@@ -22,7 +22,7 @@ from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from ...weak_form.score import Score
 from ...weak_form.wheel_tracks import touches
-from .course import Course
+from .covariates import Course
 from .laws import Law, splines
 from .model import Model
 

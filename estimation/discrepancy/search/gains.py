@@ -9,11 +9,11 @@ from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 
 from ...weak_form.score import Score
-from .attempts import Attempt
 from .candidates import Family, amplitudes_of, families
 from .laws import Law
 from .model import Model
-from .plausible import PRIOR_LOG_ODDS
+from .plausibility import PRIOR_LOG_ODDS
+from .scored_candidates import Attempt
 
 MIN_GAIN_NATS = 10.0
 """Least gain in score of what is added; also how much less something simpler than what acts for a while may explain."""

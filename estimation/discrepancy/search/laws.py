@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from .candidates import free_label
-from .course import Course, rows_at
+from .covariates import Course, rows_at
 
 VARIABLE_WORDS = {
     "travelled_distance": "travelled distance",

@@ -15,7 +15,7 @@ from cartgrasp.wheels import FIXED
 
 from ...weak_form.balances import Balances
 from ...weak_form.integrals import GRID_STRIDE
-from .course import Course
+from .covariates import Course
 from .laws import AT_HANDS, Law, both_ways, seen_values
 from .model import Model
 

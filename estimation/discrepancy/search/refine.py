@@ -14,7 +14,7 @@ from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
 
 from .candidates import amplitudes_of
-from .plausible import BOUND_SLACK_RATIO, out_of_bounds
+from .plausibility import BOUND_SLACK_RATIO, out_of_bounds
 
 MAX_STEP_HALVINGS, MAX_GAIN_EVALUATIONS = 8, 160
 FIRST_TIME_STEP, FIRST_PLACE_STEP, FIRST_DELAY_STEP = 0.4, 0.8, 0.01

@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
 from ...weak_form.wheel_tracks import leaves
-from .attempts import Attempt, Refit, Step
+from .backward_elimination import dropped, searched_again
 from .continuum import beside_neighbours
 from .form_error import FormError
 from .gains import (
@@ -35,9 +35,9 @@ from .gains import (
 from .laws import Law
 from .model import FORCE_LEVER_STD, Model
 from .periods import is_like_a_scans
-from .plausible import ESSENTIAL_PARAMETERS, ESSENTIAL_SIGMAS, MOMENT_BY_FORCE, PRIOR_LOG_ODDS, is_plausible
+from .plausibility import ESSENTIAL_PARAMETERS, ESSENTIAL_SIGMAS, MOMENT_BY_FORCE, PRIOR_LOG_ODDS, is_plausible
 from .refine import refined
-from .revisited import dropped, searched_again
+from .scored_candidates import Attempt, Refit, Step
 from .screening import MIN_CHANGE_MARGIN, Screen
 
 MIN_GAIN_FRACTION = 0.05

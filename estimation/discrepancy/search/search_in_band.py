@@ -10,8 +10,8 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent, is_narrower
-from .attempts import Step
 from .model import Model
+from .scored_candidates import Step
 from .search import Closes, search
 
 Searched = tuple[Model, Model, list[Step], tuple[Band | None, ...]]

@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
-from ..search.course import Course, rows_at
+from ..search.covariates import Course, rows_at
 
 WRENCH_AVERAGING_INTERVAL = 0.25
 """Time (s) on each side over which wrenches are averaged."""

@@ -11,7 +11,7 @@ from scipy.special import rel_entr
 
 from cartgrasp.frames import Array
 
-from ..search.course import MIN_DIRECTED_SPEED, Course
+from ..search.covariates import MIN_DIRECTED_SPEED, Course
 from ..search.laws import Law
 from .circumstances import Circumstances
 from .residual import RESIDUAL_UNITS, Residual

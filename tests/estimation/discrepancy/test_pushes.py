@@ -11,8 +11,8 @@ from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.certainty import Certainty
+from estimation.discrepancy.search.backward_elimination import searched_again
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.revisited import searched_again
 from estimation.weak_form.balances import Balances
 
 from ..runs import simulate, simulate_two_hands

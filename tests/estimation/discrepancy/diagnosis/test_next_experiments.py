@@ -10,7 +10,7 @@ import pytest
 from cartgrasp.effects import ViscousDrag
 from estimation.discrepancy.diagnosis.next_experiments import NOTHING_OPEN, Next, next_experiment, unseen_size
 from estimation.discrepancy.search.gains import CONFUSABLE_NATS
-from estimation.discrepancy.search.plausible import MIN_NAMED_SIZE_RATIO
+from estimation.discrepancy.search.plausibility import MIN_NAMED_SIZE_RATIO
 from estimation.experiments.manoeuvres import Limits, pieces
 from estimation.experiments.proposal import Experiment, Proposal, Question
 

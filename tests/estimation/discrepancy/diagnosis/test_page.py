@@ -19,12 +19,12 @@ from estimation.discrepancy.diagnosis.figures import figures
 from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.findings.isolability import isolability
-from estimation.discrepancy.findings.named import NamedEffect
+from estimation.discrepancy.findings.named_effects import NamedEffect
 from estimation.discrepancy.findings.verdicts import ADDED, NOT_FITTED, WITHDRAWN, verdict
 from estimation.discrepancy.log_check import checked, with_clock_offsets
-from estimation.discrepancy.search.attempts import Attempt, Step
 from estimation.discrepancy.search.laws import Law, smooth_laws
 from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.scored_candidates import Attempt, Step
 from estimation.discrepancy.where.residual import residuals
 from estimation.discrepancy.where.residual_map import residual_maps
 from estimation.discrepancy.where.where import where

@@ -20,7 +20,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.diagnosis.diagnosis import Diagnosis
 from estimation.discrepancy.search.candidates import families
-from estimation.discrepancy.search.plausible import is_plausible
+from estimation.discrepancy.search.plausibility import is_plausible
 
 WHEELS = WheelSet.of(
     (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.7, 0.0, 0.05)), rolls_along_x=True

@@ -11,7 +11,7 @@ from cartgrasp.effects.effect import Contribution, Parameter
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.findings.driven import Driven
+from estimation.discrepancy.findings.forced_motion import Driven
 from estimation.discrepancy.findings.rollouts import rolled_out, starts
 from estimation.discrepancy.search.gains import every_family
 from estimation.discrepancy.search.model import Model

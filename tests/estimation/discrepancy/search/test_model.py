@@ -9,8 +9,8 @@ from cartgrasp.effects import ExternalPush, FloorPatch, ForceBias, PayloadChange
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
-from estimation.discrepancy.search.attempts import Attempt
 from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.scored_candidates import Attempt
 
 PATCH = FloorPatch(x_min=1.0, x_max=1.5, y_min=-1.0, y_max=1.0, coefficient=0.1)
 ON = np.linspace(0.0, 3.0, 301)

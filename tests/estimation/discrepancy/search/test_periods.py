@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.effects import LearnedForce
-from estimation.discrepancy.search.course import Course
+from estimation.discrepancy.search.covariates import Course
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.periods import (

@@ -20,11 +20,11 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.search.attempts import Attempt
 from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, absent
 from estimation.discrepancy.search.model import FORCE_LEVER_STD, Model
 from estimation.discrepancy.search.refine import refined
+from estimation.discrepancy.search.scored_candidates import Attempt
 from estimation.discrepancy.search.screening import Screen
 from estimation.discrepancy.search.search import chosen, keys
 from estimation.weak_form.balances import Balances

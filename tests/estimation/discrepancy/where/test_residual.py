@@ -11,7 +11,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
-from estimation.discrepancy.search.course import Course, since_reversal
+from estimation.discrepancy.search.covariates import Course, since_reversal
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.where.circumstances import Circumstances, arm_wrenches
 from estimation.discrepancy.where.residual import LATERAL_VELOCITY, residuals

@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.effects import LearnedForce
-from estimation.discrepancy.search.course import Course
+from estimation.discrepancy.search.covariates import Course
 from estimation.discrepancy.search.periods import Scan
 from estimation.discrepancy.where.changes import CHANGE_POINT_PENALTY, changes
 from estimation.discrepancy.where.circumstances import Circumstances

@@ -7,7 +7,7 @@ import pytest
 
 from cartgrasp.effects import PoseOffset
 from cartgrasp.frames import rotation_planar
-from estimation.discrepancy.findings.driven import Driven
+from estimation.discrepancy.findings.forced_motion import Driven
 from estimation.weak_form.balances import Balances
 
 from ..search.test_laws import CART, TRUTH, simulate

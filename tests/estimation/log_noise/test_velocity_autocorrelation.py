@@ -11,7 +11,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.log_noise.log_noise import noise_floor, noise_of_log
-from estimation.log_noise.velocity_colour import loudness
+from estimation.log_noise.velocity_autocorrelation import loudness
 from estimation.whole_log.identification import identify
 
 from ..runs import STEP, simulate_two_hands

@@ -7,7 +7,7 @@ from cartgrasp.effects import ExternalPush, FloorPatch, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.where.acting import acting
+from estimation.discrepancy.where.effect_disagreements import acting
 from estimation.discrepancy.where.residual import residuals
 from estimation.weak_form.balances import Balances
 

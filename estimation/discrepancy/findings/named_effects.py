@@ -14,13 +14,13 @@ from cartgrasp.effects.effect import Parameter
 from cartgrasp.model import CartModel
 
 from ...impacts.end_stops import StopEstimate
-from ..search.attempts import Attempt, Step
 from ..search.candidates import free_label
 from ..search.gains import MIN_GAIN_NATS, added
 from ..search.model import Model
+from ..search.scored_candidates import Attempt, Step
+from .alternatives import rivals
 from .certainty import Certainty
 from .learned import LearnedLaw
-from .rivals import rivals
 from .verdicts import called
 
 PRESENT_SIGMAS = 2.0

@@ -8,16 +8,16 @@ from dataclasses import replace
 import numpy as np
 
 from ...weak_form.band import INERTIAL_EFFECTS, Band, pooled
-from ..search.attempts import Step
 from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
-from ..search.plausible import ESSENTIAL_SIGMAS, PRIOR_LOG_ODDS
+from ..search.plausibility import ESSENTIAL_SIGMAS, PRIOR_LOG_ODDS
+from ..search.scored_candidates import Step
+from .alternatives import undecided
 from .certainty import Certainty
 from .gap import DISAGREEMENT_NOISE_RATIO
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
 from .refusal import MAX_REFIT_ERROR_RATIO, is_beyond
-from .rivals import undecided
 from .rollouts import Rollouts
 
 MIN_GAP_CLOSED_FRACTION = 0.8

@@ -11,7 +11,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.logs import ArmLog
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, identify
-from estimation.log_noise.marks import marked, without_marks
+from estimation.log_noise.sentinel_values import marked, without_marks
 from estimation.sensor_check import check_sensors, look_at
 from estimation.whole_log.replay import replay
 

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.lengths import LENGTH_UNITS, of_lengths
+from estimation.sensor_check.length_unit import LENGTH_UNITS, of_lengths
 
 from .logs import CART, on_rail, two_hands
 

@@ -9,7 +9,7 @@ from cartgrasp.effects.effect import Gate
 
 from .laws import Law
 from .model import Model
-from .plausible import UBIQUITOUS_EFFECTS
+from .plausibility import UBIQUITOUS_EFFECTS
 
 
 @dataclass(frozen=True)

@@ -8,12 +8,12 @@ import numpy as np
 
 from cartgrasp.effects import ConstraintEffect
 
-from .attempts import Refit
 from .gains import absent, added, added_worth, attempt, worth
 from .laws import Law
 from .model import Model
-from .plausible import PRIOR_LOG_ODDS
+from .plausibility import PRIOR_LOG_ODDS
 from .refine import refined
+from .scored_candidates import Refit
 from .screening import Screen
 
 

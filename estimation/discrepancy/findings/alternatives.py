@@ -10,10 +10,10 @@ from cartgrasp.effects import Effect
 from cartgrasp.frames import Array
 
 from ...weak_form.coordinates import coordinates
-from ..search.attempts import Attempt, Refit, Step
 from ..search.gains import CONFUSABLE_NATS
 from ..search.laws import Law
 from ..search.model import Model
+from ..search.scored_candidates import Attempt, Refit, Step
 
 NATS_PER_NUMBER = 2.0
 """Nats for each number by which less something takes."""

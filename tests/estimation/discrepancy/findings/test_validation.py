@@ -6,11 +6,11 @@ import numpy as np
 import pytest
 
 from cartgrasp.effects import FloorSlope, LearnedForce, LoadSlosh, RollingResistance
-from estimation.discrepancy.findings import upheld as module
+from estimation.discrepancy.findings import validation as module
 from estimation.discrepancy.findings.held_out import held_out_rollouts
 from estimation.discrepancy.findings.refusal import is_beyond
 from estimation.discrepancy.findings.rollouts import Rollouts
-from estimation.discrepancy.findings.upheld import closes_most, rollout_error, upheld, within_bracket
+from estimation.discrepancy.findings.validation import closes_most, rollout_error, upheld, within_bracket
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances

@@ -3,9 +3,9 @@
 import pytest
 
 from cartgrasp.effects import RollingResistance, TimeDelay
-from estimation.discrepancy.findings.named import NamedEffect, doubted, true_alone, words_of
-from estimation.discrepancy.search.attempts import Attempt, Step
+from estimation.discrepancy.findings.named_effects import NamedEffect, doubted, true_alone, words_of
 from estimation.discrepancy.search.model import Model
+from estimation.discrepancy.search.scored_candidates import Attempt, Step
 from estimation.weak_form.balances import Balances
 
 from ...weak_form.motions import TRUE, cart_of, noisy, weaving

@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import RunLog
 from estimation.sensor_check import check_sensors, look_at, put_right
-from estimation.sensor_check.recorder import interpolated, quantised, slow, step_of
+from estimation.sensor_check.recording_artefacts import interpolated, quantised, slow, step_of
 
 from .logs import CART, RAIL, two_hands
 
