@@ -12,12 +12,12 @@ from cartgrasp.effects import Effect
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.findings.held_out import held_out_rollouts
-from estimation.discrepancy.search.backward_elimination import searched_again
+from estimation.discrepancy.search.backward_elimination import retuned
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.search import resized
 from estimation.impacts.impacts import impacts
 from estimation.log_noise.glitches import without_glitches
-from estimation.sensor_check import put_right
+from estimation.sensor_check import corrected_log
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import bands, consistent
 from estimation.weak_form.log_segments import segments
@@ -39,14 +39,14 @@ def refit(logs: Sequence[RunLog], cart: CartModel, effects: Sequence[Effect]) ->
         whole = model.cart
         for effect in effects:
             whole = whole.with_effect(effect)
-        model = searched_again(model.refitted(whole).rewhitened())
+        model = retuned(model.refitted(whole).rewhitened())
     model = replace(resized(model), band_steps=tuple(step for _, step in parts))
     return KnownStructure(model.cart, float(held_out_rollouts(model).gaps()[1]))
 
 
 def _parts(log: RunLog, cart: CartModel) -> list[tuple[Balances, float | None]]:
     """Between impacts, each in the widest band in which the model foretells its motion, with the band's step (s)."""
-    found, known = impacts(log, cart), put_right(without_glitches(log), cart).log
+    found, known = impacts(log, cart), corrected_log(without_glitches(log), cart).log
     parts = segments(known, cart, found) if found else [Balances.of(known, cart)]
     widest = [consistent(bands(part, cart)) for part in parts]
     return [

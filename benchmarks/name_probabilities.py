@@ -18,7 +18,7 @@ import numpy as np
 from scipy.optimize import minimize
 from scipy.special import expit
 
-from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, true_alone
+from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, name_probability
 from estimation.discrepancy.search.gains import MIN_GAIN_NATS
 
 from .sealed.calibration import bins, brier
@@ -65,7 +65,7 @@ def names(folders: Sequence[Path], reports: str) -> Names:
                 gain, alone, closes = max(effect.get("gain", 0.0), 1.0), said, effect.get("gap_share", 0.0) > 0.0
                 logs = np.log(gain / MIN_GAIN_NATS), np.log(gain / max(first, gain))
                 if effect.get("gain"):
-                    alone = true_alone(gain, first, closes)
+                    alone = name_probability(gain, first, closes)
                 else:
                     logs = np.nan, np.nan
                 rows.append((said, (alone / said - 1.0) / ALTERNATIVE_ODDS_WEIGHT, *logs, not closes, right, half))

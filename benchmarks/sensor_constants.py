@@ -29,7 +29,7 @@ def frozen(log: RunLog, _: CartModel) -> int:
 
 
 def clipped(log: RunLog, _: CartModel) -> int:
-    return any(list(clipped_wrenches.ends(arm.wrench)) for arm in log.arms.values())
+    return any(list(clipped_wrenches.range_limits(arm.wrench)) for arm in log.arms.values())
 
 
 def jumped(log: RunLog, _: CartModel) -> int:
@@ -41,7 +41,7 @@ def drifts(log: RunLog, cart: CartModel) -> int:
 
 
 def in_another_unit(log: RunLog, _: CartModel) -> int:
-    return bool(length_unit.of_lengths(log))
+    return bool(length_unit.length_unit_suspicions(log))
 
 
 def stands(log: RunLog, _: CartModel) -> int:

@@ -23,8 +23,8 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog, read_log
 from cartgrasp.model import CartModel
 from estimation.sensor_check import axle, fixed_wheels
-from estimation.sensor_check.check import put_right
-from estimation.sensor_check.fixed_wheels import of_wheels
+from estimation.sensor_check.check import corrected_log
+from estimation.sensor_check.fixed_wheels import wheel_suspicions
 from estimation.weak_form.balances import Balances
 
 MASS, INERTIA, STEP = 24.0, 2.4, 0.01
@@ -54,7 +54,7 @@ class Look:
 
     @property
     def told(self) -> bool:
-        return bool(of_wheels(self.balances, self.cart))
+        return bool(wheel_suspicions(self.balances, self.cart))
 
 
 def on_casters(seed: int, follows_heading: bool, noise: float = 3.0, duration: float = 40.0) -> RunLog:
@@ -90,12 +90,12 @@ def looks(folder: Path) -> Iterator[Look]:
         free = replace(cart, constraints=RollingConstraints(axle_x=None))
         moved = replace(cart, constraints=replace(cart.constraints, axle_x=float(cart.constraints.axle_x or 0.0) + OFF))
         for kind, told in zip(KINDS, (cart, free, moved), strict=False):
-            yield Look(kind, Balances.of(put_right(log, told).log, told), told)
+            yield Look(kind, Balances.of(corrected_log(log, told).log, told), told)
     free = CartModel(Inertia(MASS, (0.3, 0.05), 2.0), RollingConstraints(axle_x=None))
     for seed in range(10):
         for follows in (True, False):
             log = on_casters(seed, follows)
-            yield Look(KINDS[3], Balances.of(put_right(log, free).log, free), free)
+            yield Look(KINDS[3], Balances.of(corrected_log(log, free).log, free), free)
 
 
 def counts(every: list[Look]) -> list[str]:

@@ -6,7 +6,7 @@ from __future__ import annotations
 from collections.abc import Sequence
 from pathlib import Path
 
-from estimation.sensor_check import REFUSAL_PROBABILITY, REFUSED_KINDS, Look
+from estimation.sensor_check import REFUSAL_PROBABILITY, REFUSED_KINDS, LogInspection
 
 from ..cart_file import load_cart
 from ..errors import UsageError, printable
@@ -46,7 +46,7 @@ def run(
     return 0
 
 
-def _draw(log: RunLog, look: Look, out: Path) -> None:
+def _draw(log: RunLog, look: LogInspection, out: Path) -> None:
     from ..view.figures import save_figure
     from ..view.log_figure import figure_log
 
@@ -54,7 +54,7 @@ def _draw(log: RunLog, look: Look, out: Path) -> None:
     say(f"the picture is {out}")
 
 
-def _print(look: Look) -> None:
+def _print(look: LogInspection) -> None:
     say(log_summary(look))
     rows = [
         [

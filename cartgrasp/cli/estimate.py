@@ -9,7 +9,7 @@ from typing import Any
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
 from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.sensor_check.repeated_rows import with_felt_wrenches
+from estimation.sensor_check.repeated_rows import with_measured_wrenches
 from estimation.whole_log.agreement import against_identify
 from estimation.whole_log.coasting import as_given, prior_of
 from estimation.whole_log.replay import Replay, as_replayed, replay
@@ -103,7 +103,7 @@ def report_assumed_values(logs: Sequence[RunLog], cart: CartModel) -> None:
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    thinned = as_replayed(with_felt_wrenches(log))
+    thinned = as_replayed(with_measured_wrenches(log))
     noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
     estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, tell, until=float(log.time[-1]))

@@ -7,7 +7,7 @@ from typing import Any
 
 import numpy as np
 
-from estimation.sensor_check import SUSPICION_KINDS, Look, Suspicion, check_sizes, look_at
+from estimation.sensor_check import SUSPICION_KINDS, LogInspection, Suspicion, check_sizes, look_at
 
 from ..effects.effect import SensorEffect
 from ..errors import DataError, UsageError, printable
@@ -23,7 +23,7 @@ def check_accepted(kinds: Iterable[str]) -> None:
         raise UsageError(f"--accept {unknown[0]}: is no kind of suspicion; they are {', '.join(SUSPICION_KINDS)}")
 
 
-def checked_log(log: RunLog, cart: CartModel | None) -> Look:
+def checked_log(log: RunLog, cart: CartModel | None) -> LogInspection:
     """The look at a log, without wrenches where nobody pushes. Raises DataError where the log is too short, too long,
     or too odd to be looked at."""
     check_sizes(log)
@@ -49,13 +49,13 @@ def check_logs(
     it lacks."""
     found = [_look(log, cart) for log in logs]
     for log, look in zip(logs, found, strict=True):
-        if isinstance(look, Look):
+        if isinstance(look, LogInspection):
             refuse_suspicions(log, look.suspicions, accepted)
     for log, look in zip(logs, found, strict=True) if is_told else ():
         _tell(log, look)
     if is_told:
         _report_unknown_arms(logs, cart)
-    return [look.as_dict() if isinstance(look, Look) else None for look in found]
+    return [look.as_dict() if isinstance(look, LogInspection) else None for look in found]
 
 
 def _report_unknown_arms(logs: Sequence[RunLog], cart: CartModel) -> None:
@@ -67,14 +67,14 @@ def _report_unknown_arms(logs: Sequence[RunLog], cart: CartModel) -> None:
             say(f"{cart.name}: {printable(effect.key)}: no log has that arm; {known}")
 
 
-def _look(log: RunLog, cart: CartModel) -> Look | DataError:
+def _look(log: RunLog, cart: CartModel) -> LogInspection | DataError:
     try:
         return checked_log(log, cart)
     except DataError as error:
         return error
 
 
-def _tell(log: RunLog, look: Look | DataError) -> None:
+def _tell(log: RunLog, look: LogInspection | DataError) -> None:
     if isinstance(look, DataError):
         say(f"{log.name}: {len(log)} rows over {log.duration:.3g} s; its sensors were not judged: {_why(log, look)}")
         return
@@ -95,7 +95,7 @@ def _why(log: RunLog, error: DataError) -> str:
     return str(error).removeprefix(f"{log.name}: ")
 
 
-def log_summary(look: Look) -> str:
+def log_summary(look: LogInspection) -> str:
     """A log in one line."""
     seen = look.overview
     rate = "" if seen.rate is None else f" at {seen.rate:.4g} Hz"

@@ -7,7 +7,7 @@ from pathlib import Path
 
 from estimation import CartFilter
 from estimation.log_noise.log_noise import noise_of_log
-from estimation.log_noise.sentinel_values import without_marks
+from estimation.log_noise.sentinel_values import without_sentinels
 from estimation.whole_log.coasting import prior_of, with_known_wrench
 from estimation.whole_log.replay import replay
 
@@ -50,7 +50,7 @@ class Pictures:
 def run(path: Path, cart_path: Path | None, topics: Path | None, pictures: Pictures, as_json: bool) -> int:
     wanted = pictures.checked(path, cart_path, topics)
     cart = None if cart_path is None else load_cart(cart_path)
-    log = without_marks(read_log(path, topics)).thinned()
+    log = without_sentinels(read_log(path, topics)).thinned()
     shown = ShownRun.of_log(log, cart, _estimates(log, cart))
     _write(shown, wanted, path.name)
     if as_json:

@@ -35,4 +35,4 @@ def _of_rows_alone(model: Model, column: int) -> ClockOffset | None:
     information = 1 / variance - prior
     if information < MAX_OFFSET_STD**-2:
         return None
-    return ClockOffset(model.lateness + value / (variance * information), information**-0.5)
+    return ClockOffset(model.wrench_delay + value / (variance * information), information**-0.5)

@@ -16,7 +16,7 @@ from cartgrasp.logs.run_log import ArmLog
 
 from .outliers import MEDIAN_WINDOW_ROWS, outlying
 from .resolution import ROUNDING_STD, resolution
-from .sentinel_values import without_marks
+from .sentinel_values import without_sentinels
 
 GLITCH_SIGMAS = 20.0
 """Times the noise."""
@@ -26,7 +26,7 @@ MAX_GLITCH_FRACTION = 0.02
 
 def without_glitches(log: RunLog, far: float = GLITCH_SIGMAS) -> RunLog:
     """The log, with glitches as missing samples: what is `far` times the noise from its neighbours."""
-    log = without_marks(log)
+    log = without_sentinels(log)
     heading = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
     arms = {
         name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, GLITCH_SIGMAS)) for name, arm in log.arms.items()

@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 from ..noise import FilterNoise
 from .disagreement import velocity_noise
 from .resolution import ROUNDING_STD, resolution
-from .velocity_autocorrelation import loudness
+from .velocity_autocorrelation import noise_scale
 
 MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, MIN_FORCE_NOISE, MIN_MOMENT_NOISE = 2e-6, 1e-4, 0.01, 0.001
 DISTURBANCE_FRACTION = 0.01
@@ -44,7 +44,7 @@ def _noise(log: RunLog, cart: CartModel) -> FilterNoise:
         along = (white_noise(log.velocity[:, i], usual.linear_velocity) for i in (0, 1))
         linear = max(*along, MIN_VELOCITY_NOISE)
         yaw = max(white_noise(log.velocity[:, 2], usual.yaw_rate), MIN_VELOCITY_NOISE)
-        remembers = _loudness(log, cart)
+        remembers = _noise_scale(log, cart)
         x, y, yaw = (
             velocity_noise(log.time, place, velocity, (of_place, remembers * own))
             for place, velocity, of_place, own in zip(
@@ -88,7 +88,7 @@ def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[fl
     return position, max(white_noise(heading, usual[1]), MIN_POSITION_NOISE)
 
 
-def _loudness(log: RunLog, cart: CartModel) -> float:
+def _noise_scale(log: RunLog, cart: CartModel) -> float:
     """The loudness of recorded velocities; 1 for a cart that may go any way."""
     axle = cart.constraints.axle_x
     if axle is None or log.velocity is None:
@@ -96,7 +96,7 @@ def _loudness(log: RunLog, cart: CartModel) -> float:
     seen = np.isfinite(log.pose[:, 2]) & np.isfinite(log.velocity).all(axis=1)
     rolling = log.pose[seen, 2] + np.arctan2(cart.basis_b[1, 0], cart.basis_b[0, 0])
     x, y, yaw = log.velocity[seen].T
-    return loudness(log.time[seen], np.cos(rolling) * y - np.sin(rolling) * x + axle * yaw)
+    return noise_scale(log.time[seen], np.cos(rolling) * y - np.sin(rolling) * x + axle * yaw)
 
 
 def _force_size(log: RunLog, cart: CartModel) -> float:

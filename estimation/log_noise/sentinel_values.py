@@ -24,7 +24,7 @@ MIN_OTHER_VALUES = 20
 """Other values."""
 
 
-def marked(column: Array) -> np.ndarray:
+def sentinels(column: Array) -> np.ndarray:
     """Where (n,) values stand for no reading."""
     found, known = np.zeros(len(column), dtype=bool), np.isfinite(column)
     while np.count_nonzero(others := known & ~found) > MIN_OTHER_VALUES:
@@ -32,7 +32,7 @@ def marked(column: Array) -> np.ndarray:
         mark = float(sizes.max())
         rest = column[others & (sizes != mark)]
         if (
-            not _is_mark(mark)
+            not _is_sentinel(mark)
             or len(rest) < MIN_OTHER_VALUES
             or not mark - np.abs(rest).max() > MIN_SENTINEL_RATIO * np.ptp(rest)
         ):
@@ -41,7 +41,7 @@ def marked(column: Array) -> np.ndarray:
     return found
 
 
-def without_marks(log: RunLog) -> RunLog:
+def without_sentinels(log: RunLog) -> RunLog:
     """The log, with such rows as missing samples."""
     velocity = None if log.velocity is None else _without(log.velocity)
     arms = {name: ArmLog(_without(arm.contact), _without(arm.wrench)) for name, arm in log.arms.items()}
@@ -49,11 +49,11 @@ def without_marks(log: RunLog) -> RunLog:
 
 
 def _without(rows: Array) -> Array:
-    there = np.any([marked(column) for column in rows.T], axis=0)
+    there = np.any([sentinels(column) for column in rows.T], axis=0)
     return np.where(there[:, None], np.nan, rows) if there.any() else rows
 
 
-def _is_mark(size: float) -> bool:
+def _is_sentinel(size: float) -> bool:
     """Whether it is one of them, times a power of ten."""
     if not size > MIN_SENTINEL_SIZE:
         return False

@@ -21,7 +21,7 @@ MIN_MISFIT_INCREASE = 0.05
 """By how much worse what slips and white noise alone fit, in squares of the relative misfit summed over lags."""
 
 
-def loudness(time: Array, sideways: Array) -> float:
+def noise_scale(time: Array, sideways: Array) -> float:
     """How many times as loud white noise is that spoils long means of velocities as much, as white noise that makes
     the same third differences; from the axle's speeds across its wheels (n,), m/s. 1 where noise may as well be
     white."""

@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from ..sensor_check.axle import MAX_SIDESLIP_RATIO, elsewhere
+from ..sensor_check.axle import MAX_SIDESLIP_RATIO, axle_suspicion
 from ..sensor_check.suspicion import Suspicion
 from .competing_explanations import BLOCK_FORGETTING_FACTOR, MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW
 
@@ -43,4 +43,4 @@ class AxleMonitor(NamedTuple):
         if not 0.0 <= left <= MAX_SIDESLIP_RATIO**2 * self.way:
             return None
         std = math.sqrt(left * ROWS_PER_INDEPENDENT_ROW / self.rows / self.turned)
-        return elsewhere(axle_x + off, axle_x, std, least)
+        return axle_suspicion(axle_x + off, axle_x, std, least)

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from .evidence import wider
+from .evidence import gross_error_probability
 from .suspicion import Suspicion
 
 MAX_SIDESLIP_RATIO = 0.05
@@ -11,11 +11,11 @@ SOUND_AXLE_STD, WRONG_AXLE_STD, WRONG_AXLE_ODDS = 0.02, 0.3, 0.05
 """Standard deviations (m) of how far a sound file's axle is from where it is, and a wrong one's; one file in twenty."""
 
 
-def elsewhere(axle_x: float, told_x: float, std: float, least: float) -> Suspicion | None:
+def axle_suspicion(axle_x: float, told_x: float, std: float, least: float) -> Suspicion | None:
     """`offset` of an axle that is seen at `axle_x` to a standard deviation, and told at another x in {b} (m); None
     where it is less probable than `least`."""
     off = axle_x - told_x
-    probability = wider(off, std, SOUND_AXLE_STD, WRONG_AXLE_STD, WRONG_AXLE_ODDS)
+    probability = gross_error_probability(off, std, SOUND_AXLE_STD, WRONG_AXLE_STD, WRONG_AXLE_ODDS)
     if probability < least:
         return None
     words = (

@@ -20,20 +20,20 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.glitches import without_glitches
-from ..log_noise.sentinel_values import without_marks
+from ..log_noise.sentinel_values import without_sentinels
 from ..weak_form.balances import Balances
 from ..weak_form.log_segments import MAX_SEGMENT_POSE_GAP, split_at_gaps
 from ..weak_form.motion import Motion, motion_of
-from .fixed_wheels import of_wheels
-from .heading import of_headings
-from .heading_drift import drifting, heading_drift, without_drift
+from .fixed_wheels import wheel_suspicions
+from .heading import heading_suspicions
+from .heading_drift import drift_suspicions, heading_drift, without_drift
 from .jumps import jumps
-from .length_unit import of_lengths
+from .length_unit import length_unit_suspicions
 from .overview import Overview
-from .recording_artefacts import frozen, interpolated, quantised, repeated, slow, unread
+from .recording_artefacts import frozen, interpolated, quantised, repeated, slow, unreadable_columns
 from .repeated_rows import without_repeats
 from .suspicion import Suspicion
-from .velocities import of_velocities
+from .velocities import corrected_velocities
 from .wrenches import judged
 
 UNCONSTRAINED_CART = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
@@ -43,26 +43,26 @@ ODD_POSES = "mend the poses first"
 
 
 @dataclass(frozen=True, eq=False)
-class Sensors:
+class CorrectedLog:
     """The log with what is safe to mend put right, and what was found on the way."""
 
     log: RunLog
     suspicions: tuple[Suspicion, ...]
 
 
-def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
+def corrected_log(log: RunLog, cart: CartModel | None) -> CorrectedLog:
     """Mends and judges poses, velocities and recorders; what wrenches do is seen in balances of the mended log
-    (`of_wrenches`)."""
+    (`wrench_suspicions`)."""
     fresh = without_repeats(log)
     clean, between = interpolated(fresh)
     drift = None if cart is None else heading_drift(clean, cart)
     clean = without_drift(clean, drift)
-    right, of_speeds = of_velocities(clean)
-    headed = () if cart is None else (*of_headings(clean, cart), *frozen(log, cart))
+    right, of_speeds = corrected_velocities(clean)
+    headed = () if cart is None else (*heading_suspicions(clean, cart), *frozen(log, cart))
     told = (
-        *of_lengths(log),
+        *length_unit_suspicions(log),
         *headed,
-        *drifting(drift),
+        *drift_suspicions(drift),
         *of_speeds,
         *repeated(log, fresh),
         *between,
@@ -70,11 +70,11 @@ def put_right(log: RunLog, cart: CartModel | None) -> Sensors:
         *slow(log),
         *jumps(fresh),
     )
-    return Sensors(right, told)
+    return CorrectedLog(right, told)
 
 
 @dataclass(frozen=True)
-class Look:
+class LogInspection:
     """What a log holds, all that is suspected of its sensors, what stops a command first, and why wrenches were not
     judged, "" where they were or nobody pushes."""
 
@@ -89,13 +89,13 @@ class Look:
         return {**self.overview.as_dict(), "suspicions": told, "unjudged": self.unjudged}
 
 
-def look_at(log: RunLog, cart: CartModel | None) -> Look:
+def look_at(log: RunLog, cart: CartModel | None) -> LogInspection:
     """Looks at a log. Without a cart nothing is suspected of wrenches, nor of headings. Of a log with holes its longest
     part is judged. Raises DataError for a log that is too short to be looked at."""
-    told, log = unread(log), without_marks(log)
+    told, log = unreadable_columns(log), without_sentinels(log)
     parts = split_at_gaps(without_glitches(log), MAX_SEGMENT_POSE_GAP)
     longest = max(parts, key=len)
-    sensors, of_arms = put_right(longest, cart), tuple[Suspicion, ...]()
+    sensors, of_arms = corrected_log(longest, cart), tuple[Suspicion, ...]()
     is_odd = any(one.kind == "unit" and one.where == "pose" for one in sensors.suspicions)
     if cart is None or is_odd:
         motion, unjudged = (
@@ -105,11 +105,11 @@ def look_at(log: RunLog, cart: CartModel | None) -> Look:
     else:
         balances = Balances.of(sensors.log, cart)
         motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
-        of_arms = (*of_arms, *of_wheels(balances, cart))
+        of_arms = (*of_arms, *wheel_suspicions(balances, cart))
     motions = [motion, *_motions(part for part in parts if part is not longest)]
     jumped = (one for part in parts if part is not longest for one in jumps(part))
     found = (*told, *sensors.suspicions, *of_arms, *jumped, *_holes(parts))
-    return Look(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
+    return LogInspection(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
 
 
 def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
@@ -121,7 +121,7 @@ def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
     """The motions of the parts that are long enough."""
     for part in parts:
         with suppress(DataError):
-            yield motion_of(put_right(part, None).log, UNCONSTRAINED_CART)
+            yield motion_of(corrected_log(part, None).log, UNCONSTRAINED_CART)
 
 
 def _holes(parts: Sequence[RunLog]) -> Iterator[Suspicion]:

@@ -25,7 +25,7 @@ CLIP_MARGIN_INTERVAL = 0.03
 """s: of what is near an end, noise lets only the smaller part through. Of 0.03 to 0.1 masses say the same."""
 
 
-class End(NamedTuple):
+class RangeLimit(NamedTuple):
     """A component's index, the number (N or N·m) that it does not go beyond, and where (n,) it is told."""
 
     component: int
@@ -33,7 +33,7 @@ class End(NamedTuple):
     rows: np.ndarray
 
 
-def ends(wrench: Array) -> Iterator[End]:
+def range_limits(wrench: Array) -> Iterator[RangeLimit]:
     """The ends of range that a wrench (n, 6), NaN where missing, was told at. Nothing is no end."""
     for i, column in enumerate(wrench.T):
         known = column[np.isfinite(column)]
@@ -46,12 +46,12 @@ def ends(wrench: Array) -> Iterator[End]:
                 and count >= MIN_CLIPPED_ROWS
                 and count > MIN_CLIPPED_COUNT_RATIO * np.unique(within, return_counts=True)[1].max()
             ):
-                yield End(i, float(value), column == value)
+                yield RangeLimit(i, float(value), column == value)
 
 
 def without_clipped(arm: ArmLog, time: Array) -> ArmLog:
     """The arm, with such rows, and those `CLIP_MARGIN_INTERVAL` about them, as missing samples at times (n,)."""
-    found = [end.rows for end in ends(arm.wrench)]
+    found = [end.rows for end in range_limits(arm.wrench)]
     at = time[np.any(found, axis=0)] if found else time[:0]
     if not len(at):
         return arm
@@ -63,7 +63,7 @@ def without_clipped(arm: ArmLog, time: Array) -> ArmLog:
 
 def clipped_arm(name: str, arm: ArmLog, time: Array) -> Iterator[Suspicion]:
     """`scale` of an arm, by component and end."""
-    for end in ends(arm.wrench):
+    for end in range_limits(arm.wrench):
         unit, count = "N" if end.component < 3 else "N·m", int(end.rows.sum())
         words = (
             f"{printable(name)}: {WRENCH_COMPONENTS[end.component]} is {end.value:.6g} {unit} in {count} of "

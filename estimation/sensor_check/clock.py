@@ -94,14 +94,14 @@ class Rates:
         return both[:, 0], both[:, 1:], sums.rate_noise(kept)
 
 
-Best = tuple[float, Array, Array]
+LagFit = tuple[float, Array, Array]
 """A lag (s), with what is seen and what velocities say (n,)."""
 
 
-def best_lags(readings: Sequence[Rates]) -> list[Best | None]:
+def best_lags(readings: Sequence[Rates]) -> list[LagFit | None]:
     """For rates at the same rows, read in several ways: the lag of a coarse grid that leaves least, for each
     reading."""
-    tried: list[list[tuple[float, Best]]] = [[] for _ in readings]
+    tried: list[list[tuple[float, LagFit]]] = [[] for _ in readings]
     for lag in np.arange(-MAX_CLOCK_LAG, MAX_CLOCK_LAG + LAG_GRID_STEP / 2, LAG_GRID_STEP).tolist():
         sums = readings[0].on(lag)
         for rates, own in zip(readings, tried, strict=True):

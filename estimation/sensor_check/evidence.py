@@ -56,7 +56,7 @@ def independent_rows(residual: Array) -> float:
     return float(n / (1 + 2 * positive.sum()))
 
 
-def wider(value: float, std: float, sound: float, wrong: float, odds: float) -> float:
+def gross_error_probability(value: float, std: float, sound: float, wrong: float, odds: float) -> float:
     """Probability that a value measured with `std` is spread by `wrong` rather than by `sound`."""
     wide, narrow = math.hypot(std, wrong), math.hypot(std, sound)
     log_odds = 0.5 * ((value / narrow) ** 2 - (value / wide) ** 2) - math.log(wide / narrow) + math.log(odds)

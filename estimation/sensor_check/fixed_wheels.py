@@ -11,7 +11,7 @@ import math
 from cartgrasp.model import CartModel
 
 from ..weak_form.balances import Balances
-from .axle import MAX_SIDESLIP_RATIO, elsewhere
+from .axle import MAX_SIDESLIP_RATIO, axle_suspicion
 from .evidence import independent_rows
 from .heading import Displacements, displacements
 from .suspicion import REPORT_PROBABILITY, Suspicion
@@ -25,7 +25,7 @@ FREE_CART_LOG_RATIO, FIXED_WHEELS_LOG_RATIO = (0.0, 1.0), (3.0, 2.5)
 a cart that goes any way, by as good sensors, and of one that its wheels hold."""
 
 
-def of_wheels(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
+def wheel_suspicions(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     """`frame` of a cart whose file lacks the constraint of its wheels, `offset` of one whose axle is elsewhere; none of
     carts that can't turn, and where too little is seen."""
     seen = displacements(Track.of(balances.log))
@@ -37,7 +37,7 @@ def of_wheels(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
         return ()
     told_x = cart.constraints.axle_x
     if told_x is not None:
-        found = elsewhere(seen.axle, float(told_x), seen.axle_std, REPORT_PROBABILITY)
+        found = axle_suspicion(seen.axle, float(told_x), seen.axle_std, REPORT_PROBABILITY)
         return () if found is None else (found,)
     return _lacking(seen, balances, cart) if math.isfinite(seen.axle_std) else ()
 

@@ -41,7 +41,7 @@ WRONG_HEADING_ODDS, KNOWN_OFFSET_FRACTION = 0.01, 2 * MAX_MISALIGNMENT / math.pi
 """Odds of each wrong reading: one log in a hundred; share of all offsets that lie so near to a known one."""
 
 
-def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
+def heading_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """`unit`, `sign`, `axes` and `frame` of poses; none of carts that may go any way, or where too little is seen."""
     if cart.constraints.axle_x is None or cart.constraints.no_rotation:
         return ()
@@ -53,7 +53,7 @@ def of_headings(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
         if part is None:
             return ()
         along, across, size = part[:3]
-        psi = _best(along, across)
+        psi = _best_offset(along, across)
         if known is not None:
             right = known + float(cart.rolling.angle)
             psi = right + float(np.clip(_half_turn(psi - right), -MAX_MISALIGNMENT, MAX_MISALIGNMENT))
@@ -89,7 +89,7 @@ class Displacements(NamedTuple):
     axle_std: float
 
 
-def ways(track: Track, sums: Sums) -> tuple[Array, Array] | None:
+def window_displacements(track: Track, sums: Sums) -> tuple[Array, Array] | None:
     """Displacements (k, 2) of the windows that samples cover, along and across the heading, and how far (k,) each
     turned; None where too little is seen."""
     c, s, kept = np.cos(track.heading), np.sin(track.heading), sums.covered
@@ -105,7 +105,7 @@ def ways(track: Track, sums: Sums) -> tuple[Array, Array] | None:
 def displacements(track: Track) -> Displacements | None:
     """None where too little is seen. Where nothing turns, the point may be anywhere."""
     windows = Windows.over(track.time)
-    seen = None if windows is None else ways(track, windows.on(track.time))
+    seen = None if windows is None else window_displacements(track, windows.on(track.time))
     if seen is None:
         return None
     both, turned = seen
@@ -118,7 +118,7 @@ def displacements(track: Track) -> Displacements | None:
     return Displacements(both[:, 0], both[:, 1], size, -float(beside[1]), math.sqrt(left / rows / turning))
 
 
-def _best(along: Array, across: Array) -> float:
+def _best_offset(along: Array, across: Array) -> float:
     """The offset (rad) that leaves least sideways."""
     return 0.5 * math.atan2(2 * float(along @ across), float(along @ along - across @ across))
 

@@ -18,7 +18,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from .evidence import independent_rows
-from .heading import ways
+from .heading import window_displacements
 from .suspicion import Suspicion
 from .windows import Track, Windows
 
@@ -61,7 +61,7 @@ def _is_sure(found: Drift) -> bool:
 def _drift(track: Track, windows: Windows) -> Drift | None:
     """What a small drift looks like."""
     sums = windows.on(track.time)
-    seen, kept = ways(track, sums), sums.covered
+    seen, kept = window_displacements(track, sums), sums.covered
     if seen is None:
         return None
     (along, across), turned = seen[0].T, seen[1]
@@ -83,7 +83,7 @@ def without_drift(log: RunLog, found: Drift | None) -> RunLog:
     return replace(log, pose=np.column_stack([log.pose[:, :2], heading]))
 
 
-def drifting(found: Drift | None) -> tuple[Suspicion, ...]:
+def drift_suspicions(found: Drift | None) -> tuple[Suspicion, ...]:
     """`offset` of a heading that drifts."""
     if found is None:
         return ()

@@ -14,7 +14,7 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from .repeated_rows import without_again
+from .repeated_rows import without_repeated_rows
 from .suspicion import Suspicion
 
 JUMP_LINE_INTERVAL, MIN_JUMP_LINE_ROWS = 0.1, 4
@@ -52,7 +52,7 @@ def jump_times(log: RunLog) -> Array:
 
 def _found(log: RunLog) -> dict[str, tuple[Array, Array]]:
     """Times (s) of rows that jumped, and sizes."""
-    fresh = without_again(log.pose, log.time)
+    fresh = without_repeated_rows(log.pose, log.time)
     there = np.isfinite(fresh).all(axis=1)
     time, pose = log.time[there], fresh[there]
     tracks = {"pose": pose[:, :2], "heading": np.unwrap(pose[:, 2])[:, None]}

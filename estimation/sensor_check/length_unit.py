@@ -18,7 +18,7 @@ SPEED_INTERVAL, SPEED_QUANTILE = 1.0, 0.9
 """s over which speeds are taken, and the share of them that is slower than the one that counts: poses may jump."""
 
 
-def of_lengths(log: RunLog) -> tuple[Suspicion, ...]:
+def length_unit_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
     """`unit` of x and y."""
     there = np.isfinite(log.pose).all(axis=1)
     time, place = log.time[there], log.pose[there, :2]

@@ -18,7 +18,7 @@ from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, noise_floor
 from ..log_noise.resolution import ROUNDING_STD
-from ..log_noise.sentinel_values import marked
+from ..log_noise.sentinel_values import sentinels
 from .clipped_wrenches import clipped_arm
 from .frozen_wrenches import frozen_arm, without_frozen
 from .repeated_rows import local_change, repeats_fast
@@ -51,7 +51,7 @@ def blank_columns(log: RunLog) -> dict[str, list[str]]:
     return found
 
 
-def unread(log: RunLog) -> tuple[Suspicion, ...]:
+def unreadable_columns(log: RunLog) -> tuple[Suspicion, ...]:
     """Columns without a value, and those in which numbers stand for no reading."""
     told = []
     for arm, blank in blank_columns(log).items():
@@ -61,7 +61,7 @@ def unread(log: RunLog) -> tuple[Suspicion, ...]:
         )
         told.append(Suspicion("holes", arm, 0.99, None, words))
     for name, column in zip(log.columns, log.table.T, strict=True):
-        rows = np.flatnonzero(marked(column))
+        rows = np.flatnonzero(sentinels(column))
         if len(rows):
             value = float(column[rows[0]])
             words = (

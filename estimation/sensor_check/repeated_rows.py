@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from ..log_noise.resolution import ROUND_OFF_TOLERANCE, STEP_QUANTILE
-from ..log_noise.sentinel_values import without_marks
+from ..log_noise.sentinel_values import without_sentinels
 from .clipped_wrenches import without_clipped
 from .frozen_wrenches import without_frozen
 
@@ -32,14 +32,14 @@ SLOW_ROW_RATIO = 0.25
 
 def without_repeats(log: RunLog) -> RunLog:
     """The log, with poses, velocities and wrenches that are no measurements as missing samples."""
-    velocity = None if log.velocity is None else without_again(log.velocity, log.time)
-    return replace(with_felt_wrenches(log), pose=without_again(log.pose, log.time), velocity=velocity)
+    velocity = None if log.velocity is None else without_repeated_rows(log.velocity, log.time)
+    return replace(with_measured_wrenches(log), pose=without_repeated_rows(log.pose, log.time), velocity=velocity)
 
 
-def with_felt_wrenches(log: RunLog) -> RunLog:
+def with_measured_wrenches(log: RunLog) -> RunLog:
     """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples; numbers that
     stand for no reading are no such end."""
-    known = without_marks(log)
+    known = without_sentinels(log)
     return replace(
         known, arms={name: without_clipped(without_frozen(arm), log.time) for name, arm in known.arms.items()}
     )
@@ -64,7 +64,7 @@ def local_change(rows: Array, time: Array) -> Array:
     return np.asarray(np.abs(rows[last] - rows[first]).sum(axis=1))
 
 
-def without_again(rows: Array, time: Array) -> Array:
+def without_repeated_rows(rows: Array, time: Array) -> Array:
     """Rows (n, k), NaN where they repeat the last one, and the next differs by more than the resolution and than the
     rows around: a cart that starts does not leap."""
     there = np.flatnonzero(np.isfinite(rows).all(axis=1))

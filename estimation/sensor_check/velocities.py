@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from .clock import Clock, Rates, best_lags, clock
-from .evidence import evidence, independent_rows, probabilities, wider
+from .evidence import evidence, gross_error_probability, independent_rows, probabilities
 from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, Suspicion
 from .windows import Track
 
@@ -46,7 +46,7 @@ VELOCITY_SENSORS = (
     Sensor("yaw_rate", "yaw rates (omega)", slice(2, 3), YAW_RATE_UNITS),
 )
 
-Turn = Callable[[Array, Array], Array]
+VelocityMap = Callable[[Array, Array], Array]
 """From recorded velocities (n, 3) and headings (n,) to those that the log should have (n, 3)."""
 
 
@@ -56,11 +56,11 @@ def _of_cart(velocity: Array, heading: Array) -> Array:
     return np.column_stack([c * u - s * w, s * u + c * w, r])
 
 
-def _times(*signs: float) -> Turn:
+def _times(*signs: float) -> VelocityMap:
     return lambda velocity, _: velocity * np.array(signs)
 
 
-VELOCITY_READINGS: dict[str, tuple[tuple[str, str, Turn], ...]] = {
+VELOCITY_READINGS: dict[str, tuple[tuple[str, str, VelocityMap], ...]] = {
     "velocity": (
         ("", "", _times(1, 1, 1)),
         ("frame", "vx and vy are along the cart's own axes; turn them by theta into the world's", _of_cart),
@@ -77,7 +77,7 @@ VELOCITY_READINGS: dict[str, tuple[tuple[str, str, Turn], ...]] = {
 """Kind, words and turn of the ways in which velocities may be meant, the sound one first."""
 
 
-def of_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
+def corrected_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
     """The log with velocities on the poses' clock and scale, and what was found. What is of other axes or units is
     told, and left as it is."""
     told = list[Suspicion]()
@@ -126,8 +126,8 @@ def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
     """`lag` and `scale`, or `unit`, where one is likelier than not: then it is put right."""
     told = []
     log_gain, gain_std = math.log(fit.gain), fit.gain_std / fit.gain
-    late = wider(fit.lag, fit.lag_std, *VELOCITY_LAG_STDS, LATE_VELOCITY_ODDS)
-    large = wider(log_gain, gain_std, *VELOCITY_LOG_GAIN_STDS, WRONG_VELOCITY_GAIN_ODDS)
+    late = gross_error_probability(fit.lag, fit.lag_std, *VELOCITY_LAG_STDS, LATE_VELOCITY_ODDS)
+    large = gross_error_probability(log_gain, gain_std, *VELOCITY_LOG_GAIN_STDS, WRONG_VELOCITY_GAIN_ODDS)
     if late > 0.5:
         words = (
             f"{sensor.what} come {abs(fit.lag) * 1e3:.1f} ± {fit.lag_std * 1e3:.1f} ms "

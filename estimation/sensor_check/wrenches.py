@@ -108,10 +108,10 @@ class Balance:
         return max(rows, 1.0), max(float(left[1] @ left[1] / (self.motion @ self.motion)), UNEXPLAINED_FRACTION**2)
 
 
-Known = tuple[Balance, Balance | None, Balance | None]
+KnownBalances = tuple[Balance, Balance | None, Balance | None]
 
 
-def of_wrenches(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
+def wrench_suspicions(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     """`sign`, `axes`, `frame` and `unit` of each arm."""
     return judged(balances, cart)[0]
 
@@ -124,7 +124,7 @@ def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], 
         why = "the cart moves too little, or for too short a time" if len(balances.used) else NO_OVERLAP
         return far, why if balances.wrenches.arms and not far else ""
     readings = _readings(len(balances.wrenches.arms))
-    every = [_posterior(one, readings, cart) for one in (known, *_without_a_third(known))]
+    every = [_posterior(one, readings, cart) for one in (known, *_leave_third_out(known))]
     posterior = max(every, key=lambda one: float(one[0]))
     zz, zy, yy = known[0].products(readings)
     masses = zz / np.where(np.abs(zy) > NEGLIGIBLE_DIRECTION_RATIO * np.sqrt(zz * yy), zy, np.inf)
@@ -132,14 +132,16 @@ def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], 
     for i, name in enumerate(balances.wrenches.arms):
         wrong = [j for j, r in enumerate(readings) if i in r.arms]
         by_kind = {kind: [j for j in wrong if kind in readings[j].kinds] for kind in WRENCH_FAULT_KINDS}
-        for kind, probability in _told(float(posterior[wrong].sum()), {k: posterior[v] for k, v in by_kind.items()}):
+        for kind, probability in _reported_kinds(
+            float(posterior[wrong].sum()), {k: posterior[v] for k, v in by_kind.items()}
+        ):
             most = max(by_kind[kind], key=lambda j: float(posterior[j]))
             factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
             told.append(Suspicion(kind, name, probability, factor, f"{printable(name)}: {words}"))
     return tuple(told), ""
 
 
-def _posterior(known: Known, readings: Sequence[Reading], cart: CartModel) -> Array:
+def _posterior(known: KnownBalances, readings: Sequence[Reading], cart: CartModel) -> Array:
     """The probability (r,) of each reading."""
     (forward, sideways, turning), phi = known, cart.inertia.phi
     one = np.ones(len(readings))
@@ -154,7 +156,7 @@ def _posterior(known: Known, readings: Sequence[Reading], cart: CartModel) -> Ar
     return probabilities(log_evidence, np.array([r.odds for r in readings]))
 
 
-def _without_a_third(known: Known) -> Iterator[Known]:
+def _leave_third_out(known: KnownBalances) -> Iterator[KnownBalances]:
     """The balances without each of some stretches in which a third of what the cart did lies. A sensor that is set up
     wrongly is so in all of the log; what else acts for a while, such as somebody who pushes, is not."""
     done = np.cumsum(known[0].motion ** 2)
@@ -163,7 +165,7 @@ def _without_a_third(known: Known) -> Iterator[Known]:
         yield known[0].rows(kept), *(None if one is None else one.rows(kept) for one in known[1:])  # type: ignore[misc]
 
 
-def _told(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]]:
+def _reported_kinds(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]]:
     """The kinds worth a line. Where it is sure that something is wrong (`whole`), and not what, the likeliest stands
     for all."""
     found = {kind: float(posterior.sum()) for kind, posterior in by_kind.items()}
@@ -216,7 +218,7 @@ def _readings(arms: int) -> list[Reading]:
     return found
 
 
-def balances_of(balances: Balances, cart: CartModel) -> Known | None:
+def balances_of(balances: Balances, cart: CartModel) -> KnownBalances | None:
     """Forward, sideways (of carts that may go so) and yaw (of those that may turn); None where nothing is told."""
     if not balances.wrenches.arms or not len(balances.used):
         return None
@@ -241,14 +243,14 @@ def _signals(balances: Balances, cart: CartModel) -> Array:
     """(k, f, arms, 3, 8): what each recorded component is in each balance, taken for fx, fy or tz."""
     wrenches, heading = balances.wrenches, balances.motion.pose[:, 2]
     c, s = np.cos(heading), np.sin(heading)
-    spoken = wrenches.recorded * np.array([_speaks(balances.log, name) for name in wrenches.arms])[:, None]
+    spoken = wrenches.recorded * np.array([_has_signal(balances.log, name) for name in wrenches.arms])[:, None]
     fx, fy = spoken[..., 0], spoken[..., 1]
     recorded = np.concatenate([spoken, np.stack([c * fx + s * fy, c * fy - s * fx], axis=-1)], axis=-1)
     reduced = (cart.basis_b.T @ wrenches.grasps)[..., [*PLANAR]]
     return balances.integrated(np.einsum("anfi,anj->nfaij", reduced, recorded))
 
 
-def _speaks(log: RunLog, arm: str) -> np.ndarray:
+def _has_signal(log: RunLog, arm: str) -> np.ndarray:
     """Which components (6,) of an arm's wrench are more than white noise: of what is nothing else no log tells the
     sign, and chance would."""
     wrench = log.arms[arm].wrench

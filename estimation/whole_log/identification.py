@@ -244,7 +244,7 @@ def _excess(model: Model) -> list[float]:
     """The mean square residual of each part, whitened by its sensors' noise alone, in the balance with most."""
     found, at = [], 0
     for balances in model.logs:
-        left = model.left[at : at + len(balances.used)]
+        left = model.residual[at : at + len(balances.used)]
         at += len(balances.used)
         none, whole = np.zeros(left.shape[1]), np.ones(left.shape[1])
         whiten = Errors.of(balances, model.cart).whitening(none, none, whole)

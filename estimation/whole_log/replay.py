@@ -16,7 +16,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.roles import Estimator
 
-from ..log_noise.sentinel_values import without_marks
+from ..log_noise.sentinel_values import without_sentinels
 from ..online.paper_filter import DIVERGED
 from .coasting import with_known_wrench
 
@@ -60,7 +60,7 @@ class Replay:
 def as_replayed(log: RunLog) -> RunLog:
     """The log as online estimators take it: without numbers that stand for no reading, thinned, and with its wrench
     written out where nobody pushes."""
-    return with_known_wrench(without_marks(log).thinned())
+    return with_known_wrench(without_sentinels(log).thinned())
 
 
 def replay(
@@ -72,7 +72,7 @@ def replay(
     """Every row of the log in turn, its wrenches of the time when they happened, without numbers that stand for no
     reading, then on to `until` (s); `progress` is told the share done."""
     estimates = []
-    known = without_marks(log)
+    known = without_sentinels(log)
     told = known if estimator.aligns else aligned(known, estimator.cart)
     for i, measurement in enumerate(told.measurements()):
         estimates.append(_updated(estimator, measurement, log.name))

@@ -122,9 +122,9 @@ def test_who_has_copies_is_found_by_text_too():
 def test_what_reads_a_copy_follows():
     """`verdicts` has a copy of `gains.GAIN_SIGMAS`: a gain of twice its error is sure, but not if ten times are
     asked for."""
-    slope = scored_candidates.Attempt(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
-    best = scored_candidates.Attempt(FloorSlope(0.02, 0.0), 90.0, 1)
-    step = scored_candidates.Step((best, slope), best)
+    slope = scored_candidates.ScoredCandidate(FloorSlope(0.01, 0.0), 50.0, 1, error=25.0)
+    best = scored_candidates.ScoredCandidate(FloorSlope(0.02, 0.0), 90.0, 1)
+    step = scored_candidates.SearchStep((best, slope), best)
     assert verdicts.verdict(step, slope) == "gains 40.0 nats less than floor_slope"
     with patched(SURE, 10.0):
         assert "less than 10 standard deviations of its gain" in verdicts.verdict(step, slope)

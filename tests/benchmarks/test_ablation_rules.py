@@ -13,7 +13,7 @@ from benchmarks.ablation.patching import patched
 from benchmarks.ablation.rules import RULES
 from benchmarks.ablation.watching import noticed
 from estimation.discrepancy.findings import refusal, validation
-from estimation.discrepancy.findings.reported_mass import told_mass
+from estimation.discrepancy.findings.reported_mass import reported_mass
 from estimation.weak_form.band import Band
 
 BY_NAME = {rule.full_name: rule for rule in RULES}
@@ -42,11 +42,11 @@ def test_a_rule_is_taken_away_where_it_was_imported():
 
 def test_a_rule_is_noticed_where_it_says_something_else():
     """Without bands a mass is told as it is fitted; between bands that leave 10 % open it is not."""
-    rule = BY_NAME["reported_mass.told_mass"]
+    rule = BY_NAME["reported_mass.reported_mass"]
     band = Band(row_step=0.3, mass=30.0, std=0.3, bracket=3.0)
     for bands, is_noticed in (([], False), ([band], True)):
         said, found = noticed(lambda bands=bands: _now()(3.4, 0.1, bands), [rule], MOVES)
-        assert said == told_mass(3.4, 0.1, bands)
+        assert said == reported_mass(3.4, 0.1, bands)
         assert found == ({(rule.full_name, OFF)} if is_noticed else set())
 
 

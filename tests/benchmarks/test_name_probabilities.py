@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 from benchmarks.name_probabilities import Names, fitted, names, reliability
-from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, true_alone
+from estimation.discrepancy.findings.named_effects import ALTERNATIVE_ODDS_WEIGHT, name_probability
 
 
 def drawn(numbers, count, seed):
@@ -53,7 +53,7 @@ def test_names_are_read_with_their_gains_and_judged_on_the_other_half(tmp_path):
             "gap_share": 0.1 * is_right,
         }
         found |= {
-            "probability": true_alone(gain, 400.0, is_right) / (1.0 + 0.5 * ALTERNATIVE_ODDS_WEIGHT),
+            "probability": name_probability(gain, 400.0, is_right) / (1.0 + 0.5 * ALTERNATIVE_ODDS_WEIGHT),
             "confusable_with": [],
         }
         steps = [{"added": "first", "candidates": [{"key": "first", "score": 400.0}, {"key": "other", "score": 500.0}]}]

@@ -23,32 +23,32 @@ from ...experiments.manoeuvres import Limits
 from ...impacts.end_stops import StopEstimate, end_stops
 from ...impacts.impacts import Impact, impacts
 from ...log_noise.glitches import without_glitches
-from ...sensor_check import check_sizes, of_wheels, of_wrenches, put_right
+from ...sensor_check import check_sizes, corrected_log, wheel_suspicions, wrench_suspicions
 from ...sensor_check.jumps import jump_times
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, bands, consistent
 from ...weak_form.log_segments import MAX_SEGMENT_POSE_GAP, segments, split_at_gaps
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
-from ..findings.gap import DISAGREEMENT_NOISE_RATIO, MAX_GAP_LEFT_FRACTION, Gap, told_gap
+from ..findings.gap import DISAGREEMENT_NOISE_RATIO, MAX_GAP_LEFT_FRACTION, Gap, reported_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
-from ..findings.named_effects import NamedEffect, doubted, named, named_stops
+from ..findings.named_effects import NamedEffect, doubtful_names, named_effects, named_stops
 from ..findings.rollouts import starts
-from ..findings.validation import certainty_of, closes_most, rollout_error, upheld, without
+from ..findings.validation import certainty_of, closes_most, rollout_error, validated, without
 from ..findings.verdicts import may_follow
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
 from ..search.candidates import free_label
 from ..search.gains import added
 from ..search.laws import Law, row_values
 from ..search.model import Model
-from ..search.scored_candidates import Step
+from ..search.scored_candidates import SearchStep
 from ..search.search_in_band import at_rest, searched
-from ..where.effect_disagreements import acting
-from ..where.residual import Residual, fine_residuals, finely, residuals
+from ..where.effect_disagreements import effect_disagreements
+from ..where.residual import Residual, fine_residuals, residuals, with_fine_rows
 from ..where.residual_map import ResidualMap, residual_maps
 from ..where.where import Disagreement, repeats, where
-from .next_experiments import Next, next_experiment
+from .next_experiments import NextExperiment, next_experiment
 from .sentence import sentence
 
 if TYPE_CHECKING:
@@ -70,7 +70,7 @@ class Diagnosis:
     bands: tuple[Band | None, ...]
     nominal: Model
     final: Model
-    steps: tuple[Step, ...]
+    steps: tuple[SearchStep, ...]
     shares: tuple[float, ...]
     gap: Gap
     is_refused: bool
@@ -104,7 +104,7 @@ class Diagnosis:
     @cached_property
     def effects(self) -> tuple[NamedEffect, ...]:
         stops = named_stops(self.stops, self.nominal_cart)
-        return (*named(self.steps, self.final, self.certainty, self.shares), *stops)
+        return (*named_effects(self.steps, self.final, self.certainty, self.shares), *stops)
 
     @cached_property
     def before(self) -> tuple[Residual, ...]:
@@ -117,7 +117,7 @@ class Diagnosis:
     @cached_property
     def where(self) -> tuple[Disagreement, ...]:
         """Disagreements in what the refitted nominal model leaves; none where it agrees with the logs."""
-        first = [*acting(self.final, self.before), *self._repeating()] if self.disagrees else []
+        first = [*effect_disagreements(self.final, self.before), *self._repeating()] if self.disagrees else []
         return tuple(where(self.before, first)) if self.disagrees else ()
 
     def _repeating(self) -> Iterator[Disagreement]:
@@ -127,7 +127,7 @@ class Diagnosis:
         for law in laws:
             turns = law.effects[0].acts_on == "yaw_moment" and self.final.cart.constraints.n_free > 1
             residual = fine[self.final.cart.constraints.n_free - 1 if turns else 0]
-            yield from repeats(residual, row_values(law.effects[0], finely(self.final.logs)), law)
+            yield from repeats(residual, row_values(law.effects[0], with_fine_rows(self.final.logs)), law)
 
     @cached_property
     def residual_maps(self) -> tuple[ResidualMap, ...]:
@@ -248,7 +248,7 @@ class Diagnosis:
         return float(np.clip((self.gap.refitted**2 - left**2) / whole, 0.0, 1.0))
 
     @cached_property
-    def next_experiment(self) -> Next:
+    def next_experiment(self) -> NextExperiment:
         """What to record next."""
         return next_experiment(self)
 
@@ -322,12 +322,16 @@ def _diagnosed(
         check_rows(log)
         sound = without_glitches(without_idle_arms(log))
         check_sizes(sound)
-        sensors = put_right(sound, cart)
+        sensors = corrected_log(sound, cart)
         whole = Balances.of(sensors.log, cart)
         band = consistent(bands(whole, cart))
-        found = impacts(log, _as_heavy(cart, band))
+        found = impacts(log, _with_band_mass(cart, band))
         check = checked(log, cart, whole)
-        checks.append(with_suspicions(check, (*sensors.suspicions, *of_wrenches(whole, cart), *of_wheels(whole, cart))))
+        checks.append(
+            with_suspicions(
+                check, (*sensors.suspicions, *wrench_suspicions(whole, cart), *wheel_suspicions(whole, cart))
+            )
+        )
         lost = jump_times(sensors.log)
         cut = segments(sensors.log, cart, found, lost) if found or len(lost) else ()
         between = [part for part in cut if len(part.used)]
@@ -337,13 +341,13 @@ def _diagnosed(
     is_moved = any(moves(balances) for balances in parts)
     found_in = searched(parts, known, cart, candidates, tell, closes_most) if is_moved else at_rest(parts, cart)
     nominal, final, steps, widest = found_in
-    final, withdrawn = upheld(final, nominal, widest)
+    final, withdrawn = validated(final, nominal, widest)
     tell("measuring the gap")
-    gap, stays = told_gap(nominal, final)
+    gap, stays = reported_gap(nominal, final)
     shares = _shares(steps, final, gap)
-    if keys := doubted(steps, final, shares):
+    if keys := doubtful_names(steps, final, shares):
         final = without(final, keys)
-        gap, stays = told_gap(nominal, final)
+        gap, stays = reported_gap(nominal, final)
     offsets = clock_offsets(final)
     told = checks if len(offsets) > len(checks) else with_clock_offsets(checks, offsets)
     return Diagnosis(
@@ -370,7 +374,7 @@ def _without_holes(log: RunLog) -> list[RunLog]:
     return [part for part in named if is_long_enough(part)] or [log]
 
 
-def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
+def _with_band_mass(cart: CartModel, band: Band | None) -> CartModel:
     """The cart with the mass that a log's band tells, and as much more inertia, for what a first guess should not
     decide."""
     if band is None:
@@ -379,7 +383,7 @@ def _as_heavy(cart: CartModel, band: Band | None) -> CartModel:
     return cart.with_inertia(Inertia(band.mass, body.com, body.about_com * band.mass / body.mass))
 
 
-def _shares(steps: Sequence[Step], final: Model, gap: Gap) -> tuple[float, ...]:
+def _shares(steps: Sequence[SearchStep], final: Model, gap: Gap) -> tuple[float, ...]:
     """Share of the gap above the noise floor that each step closed; of logs at rest, nothing. What was added alone
     closed what all of it closes."""
     if not any(len(starts(balances)) for balances in final.logs):

@@ -74,5 +74,5 @@ def is_flat(places: np.ndarray) -> bool:
     return bool(min(wide) <= FLAT_PATH_RATIO * max(wide))
 
 
-def named(residual: Residual) -> str:
+def residual_label(residual: Residual) -> str:
     return f"{residual.coordinate.replace('_', ' ')} ({residual.unit})"

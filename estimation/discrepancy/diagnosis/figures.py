@@ -13,7 +13,7 @@ from matplotlib.ticker import NullFormatter
 
 from .drawing import MODEL_COLOURS, grid, is_flat, svg
 from .law_figure import law_figure
-from .residual_figures import followed, on_the_floor, over_time, over_what_it_follows, pairs
+from .residual_figures import dependence_figure, dependences, floor_figure, pairs, time_figure
 from .rollout_figure import rollout_figure
 
 if TYPE_CHECKING:
@@ -32,13 +32,13 @@ def figures(diagnosis: Diagnosis) -> dict[str, str]:
 
 def _drawn(found: Diagnosis) -> Iterator[tuple[str, Figure | None]]:
     shown = pairs(found)
-    yield "residuals", over_time(found, shown)
-    if rows := list(followed(found, shown)):
-        yield "follows", over_what_it_follows(rows)
+    yield "residuals", time_figure(found, shown)
+    if rows := list(dependences(found, shown)):
+        yield "follows", dependence_figure(rows)
     if found.final.laws:
         yield "laws", law_figure(found)
-    if found.disagrees and not is_flat(shown[0][0][0].circumstances.course.place):
-        yield "places", on_the_floor(shown)
+    if found.disagrees and not is_flat(shown[0][0][0].circumstances.covariates.place):
+        yield "places", floor_figure(shown)
     yield "rollouts", rollout_figure(found)
     yield "gap", _gap(found)
 

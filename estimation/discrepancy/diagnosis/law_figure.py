@@ -11,7 +11,7 @@ from matplotlib.figure import Figure
 from cartgrasp.frames import Array
 
 from ..search.laws import constant, row_values, variable_of
-from ..where.residual import finely
+from ..where.residual import with_fine_rows
 from .drawing import MODEL_COLOURS, ZERO_LINE_STYLE, on_floor, sides
 
 if TYPE_CHECKING:
@@ -29,7 +29,7 @@ def law_figure(found: Diagnosis) -> Figure:
     figure, axes = sides(len(laws), 2, 2.4)
     wheels = [wheel.y for wheel in found.final.cart.wheels if wheel.y]
     for row, law in zip(axes, laws, strict=True):
-        at, force, told = asked_forces(found, law)
+        at, force, told = required_forces(found, law)
         effect, unit, every = (
             law.effect,
             law.effect.parameters[0].unit,
@@ -52,11 +52,11 @@ def law_figure(found: Diagnosis) -> Figure:
     return figure
 
 
-def asked_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array]:
+def required_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Array]:
     """Values of a law's variable, the forces that rows ask for beside everything but this law, and what the law says of
     them. Each is (n,), of the rows in which the law shows."""
-    model, logs, parts = found.final, finely(found.final.logs), list[tuple[Array, Array, Array]]()
-    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    model, logs, parts = found.final, with_fine_rows(found.final.logs), list[tuple[Array, Array, Array]]()
+    left = np.split(model.residual_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
     last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0
     at = np.split(row_values(law.effect, logs), np.cumsum([len(rest) for rest in left])[:-1])
     for balances, rest, own_at in zip(logs, left, at, strict=True):

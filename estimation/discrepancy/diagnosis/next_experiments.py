@@ -18,7 +18,7 @@ from cartgrasp.information import WrenchNoise
 from ...experiments.proposal import Experiment, Proposal, Question
 from ...experiments.separation import Belief, Hands
 from ...weak_form.coordinates import jacobian
-from ..findings.alternatives import rivals
+from ..findings.alternatives import alternatives
 from ..search.candidates import amplitudes_of
 from ..search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, added, every_family
 from ..search.model import Model
@@ -37,7 +37,7 @@ NOTHING_OPEN = "nothing is undecided that another motion would tell"
 
 
 @dataclass(frozen=True, eq=False)
-class Next:
+class NextExperiment:
     """What to run next, None where nothing is open, or where no motion tells; and what to do, in words, the most useful
     first."""
 
@@ -52,7 +52,7 @@ class Next:
         return self.words[0] if self.words else NOTHING_OPEN
 
 
-def next_experiment(found: Diagnosis) -> Next:
+def next_experiment(found: Diagnosis) -> NextExperiment:
     """What to run next for what a diagnosis leaves open."""
     experiment = undecided(found)
     proposal, words = None, list[str]()
@@ -60,11 +60,11 @@ def next_experiment(found: Diagnosis) -> Next:
         log = found.final.logs[0].log
         start = np.round(log.pose[np.isfinite(log.pose).all(axis=1)][0], 3)
         whole = experiment.proposed(found.limits, start, max(float(b.log.time[-1]) for b in found.final.logs))
-        apart, alone = _judged(whole)
-        told = _told(whole, apart, alone) or _told_of_little(whole)
+        apart, alone = _proposal_sigmas(whole)
+        told = _proposal_words(whole, apart, alone) or _small_size_words(whole)
         proposal = whole if told else None
-        words += [*told, *_untold(apart, alone)]
-    return Next(proposal, tuple(dict.fromkeys([*words, *_beside(found)])))
+        words += [*told, *_undecided_words(apart, alone)]
+    return NextExperiment(proposal, tuple(dict.fromkeys([*words, *_beside(found)])))
 
 
 def undecided(found: Diagnosis) -> Experiment | None:
@@ -79,13 +79,13 @@ def undecided(found: Diagnosis) -> Experiment | None:
         return len(beliefs) - 1
 
     own = add(final)
-    for effect, others in _rivals(found):
+    for effect, others in _alternatives(found):
         known = [(one.key, add(_swapped(final, effect, one))) for one in others]
         for k, (name, place) in enumerate(known):
             questions += [Question(effect.key, name, own, place), Question(name, effect.key, place, own)]
             for other, beside in known[:k]:
                 questions += [Question(name, other, place, beside, 0.5), Question(other, name, beside, place, 0.5)]
-    for effect in _nearly(found):
+    for effect in _nearly_added(found):
         questions.append(Question(effect.key, "", add(final.refitted(final.cart.with_effect(effect))), own))
     usual = _usual_effects(found, {one.name.partition(".")[0] for one in questions})
     for effect, size, before in usual:
@@ -107,12 +107,12 @@ def _belief(model: Model) -> Belief:
     return Belief(model.cart, jacobian(model.cart)[:, free] @ np.linalg.cholesky(covariance))
 
 
-def _rivals(found: Diagnosis) -> Iterator[tuple[Effect, list[Effect]]]:
+def _alternatives(found: Diagnosis) -> Iterator[tuple[Effect, list[Effect]]]:
     """Each effect that was added, with what explains about as much in its place."""
     left = {effect.key: effect for effect in added(found.final)}
     for step in found.steps:
         own = left.pop(step.added.key, None) if step.added else None
-        known = [one.candidate for _, one in rivals(step)] if own else []
+        known = [one.candidate for _, one in alternatives(step)] if own else []
         others = [one for one in known if isinstance(one, Effect) and _is_seen(one) and one.key not in left]
         if own and _is_seen(own) and others:
             yield own, others
@@ -122,7 +122,7 @@ def _swapped(final: Model, effect: Effect, other: Effect) -> Model:
     return final.refitted(final.cart.without_effect(effect.key).with_effect(other))
 
 
-def _nearly(found: Diagnosis) -> list[Effect]:
+def _nearly_added(found: Diagnosis) -> list[Effect]:
     """What the logs speak for, and was left out at the end, or withdrawn for what unseen stretches say."""
     last = found.steps[-1].attempts if found.steps and found.steps[-1].added is None else ()
     near = [step.added for step in found.steps if step.added is not None]
@@ -141,12 +141,12 @@ def _usual_effects(found: Diagnosis, names: set[str]) -> list[tuple[Effect, floa
     shown[TimeDelay.name] = TimeDelay.parameters[0].typical / min(late) if late else 0.0
     known = [family for family in every_family(found.final) if family.key in shown]
     middle = [(family.variants[len(family.variants) // 2], shown[family.key]) for family in known]
-    asked = [(e, unseen_size(e, z), z) for e, z in middle]
+    asked = [(e, undetected_size(e, z), z) for e, z in middle]
     fit = [one for one in asked if one[0].name not in names and one[0].gate is Gate.ALWAYS and _is_seen(one[0])]
     return [(_of_size(effect, size), size, size * z) for effect, size, z in fit]
 
 
-def unseen_size(effect: Effect, z: float) -> float:
+def undetected_size(effect: Effect, z: float) -> float:
     """Which size of an effect, whose usual one shows by z deviations, may be there unseen."""
     if isinstance(effect, ConstraintEffect) or _nats(z) < MIN_GAIN_NATS:
         return 1.0
@@ -185,11 +185,11 @@ def _nats(z: float) -> float:
     return z * z / 2.0
 
 
-Pairs = dict[tuple[str, str], float]
+PairSigmas = dict[tuple[str, str], float]
 """Deviations by which two differ, whichever of them is true."""
 
 
-def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str]:
+def _proposal_words(proposal: Proposal, pairs: PairSigmas, alone: dict[str, float]) -> list[str]:
     """What the motion is for, what to do, and how well it tells; nothing where it tells nothing."""
     apart = list(dict.fromkeys(name for pair, z in pairs.items() if _nats(z) >= CONFUSABLE_NATS for name in pair))
     shown = [name for name, z in alone.items() if _nats(z) >= CONFUSABLE_NATS]
@@ -201,14 +201,14 @@ def _told(proposal: Proposal, pairs: Pairs, alone: dict[str, float]) -> list[str
     return [f"{', and '.join(goals)}: {proposal.says} (at least {least:.0f} standard deviations apart)"]
 
 
-def _told_of_little(proposal: Proposal) -> list[str]:
+def _small_size_words(proposal: Proposal) -> list[str]:
     """What the motion is for where all that it shows is less than usual, and what to do."""
     asked = zip(proposal.questions, proposal.deviations, strict=True)
     little = [one.name for one, z in asked if one.size < 1.0 and _nats(z) >= CONFUSABLE_NATS]
     return [f"to see whether there is less than usual of {_listed(little, 'or')}: {proposal.says}"] if little else []
 
 
-def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
+def _undecided_words(pairs: PairSigmas, alone: dict[str, float]) -> Iterator[str]:
     """What it leaves open."""
     for (one, other), z in pairs.items():
         if _nats(z) < CONFUSABLE_NATS:
@@ -219,9 +219,9 @@ def _untold(pairs: Pairs, alone: dict[str, float]) -> Iterator[str]:
         yield f"no motion of this speed and length shows {_listed(hidden, 'or')}"
 
 
-def _judged(proposal: Proposal) -> tuple[Pairs, dict[str, float]]:
+def _proposal_sigmas(proposal: Proposal) -> tuple[PairSigmas, dict[str, float]]:
     """Deviations by which rivals differ, and by which what may be there, and didn't show before, shows."""
-    pairs, alone = Pairs(), dict[str, float]()
+    pairs, alone = PairSigmas(), dict[str, float]()
     for one, z in zip(proposal.questions, proposal.deviations, strict=True):
         if one.other:
             pair = (one.name, one.other) if (one.other, one.name) not in pairs else (one.other, one.name)

@@ -9,7 +9,7 @@ import html
 from collections.abc import Iterator, Sequence
 from typing import TYPE_CHECKING
 
-from ..findings.named_effects import together, with_unit, words_of
+from ..findings.named_effects import grouped, with_unit, words_of
 from ..findings.verdicts import verdict
 from ..log_check import HEADING_SECTORS, LogCheck
 from ..where.residual import RESIDUAL_UNITS
@@ -139,7 +139,7 @@ def _gap_table(found: Diagnosis) -> str:
 def _effects(found: Diagnosis) -> str:
     """Table of the effects that were added, a row for each."""
     rows = []
-    for group in together(found.effects):
+    for group in grouped(found.effects):
         one, law = group[0], group[0].law
         told = [_valued(name, *numbers) for name, numbers in one.parameters.items()]
         size = [words_of(group, alike=False), f"likely {law.likely}"] if law else told

@@ -11,11 +11,11 @@ from typing import TYPE_CHECKING, Any
 from cartgrasp.strict_json import finite
 from cartgrasp.writing import together, write_atomically
 
-from ..findings.verdicts import called, verdict
+from ..findings.verdicts import candidate_name, verdict
 
 if TYPE_CHECKING:
     from ..search.model import Model
-    from ..search.scored_candidates import Step
+    from ..search.scored_candidates import SearchStep
     from .diagnosis import Diagnosis
 
 
@@ -66,10 +66,10 @@ class Report:
         return folder
 
 
-def _of_step(step: Step, final: Model) -> dict[str, Any]:
+def _of_step(step: SearchStep, final: Model) -> dict[str, Any]:
     told = (
         {
-            "name": called(one),
+            "name": candidate_name(one),
             "key": one.key,
             "score": float(one.gain),
             "tried": one.tried,

@@ -15,9 +15,9 @@ from scipy.ndimage import uniform_filter1d
 from cartgrasp.frames import Array
 
 from ..search.laws import row_values, unit_of, variable_of
-from ..where.residual import Residual, fine_residuals, finely
-from ..where.residual_map import means, most_followed, variables
-from .drawing import BAND_STYLE, COMPARED_MODELS, MODEL_COLOURS, ZERO_LINE_STYLE, named, on_floor, sides
+from ..where.residual import Residual, fine_residuals, with_fine_rows
+from ..where.residual_map import means, strongest_dependence, variables
+from .drawing import BAND_STYLE, COMPARED_MODELS, MODEL_COLOURS, ZERO_LINE_STYLE, on_floor, residual_label, sides
 
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
@@ -47,7 +47,7 @@ def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
     return [both for both in every if found.disagrees and any(one.disagrees for one in both[1])] or every[:1]
 
 
-def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+def time_figure(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
     """Figure with a row for each coordinate, of the log that disagrees the most, and below a closer look at the worst
     of it."""
     worst = shown[0][0][0]
@@ -56,7 +56,7 @@ def over_time(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
     figure, axes = sides(len(shown) + 1, len(shown[0][0]), 1.6)
     for row, (fine, coarse) in zip(axes, shown, strict=False):
         _draw(row, fine if (logs == k).sum() <= MAX_DRAWN_ROWS else coarse, k)
-    _draw(axes[-1], shown[0][0], k, _closer(found, worst, k))
+    _draw(axes[-1], shown[0][0], k, _closeup_span(found, worst, k))
     name = f" of {Path(names[k]).name}" if len(names) > 1 else ""
     for upper, ax in zip(axes[-2], axes[-1], strict=True):
         upper.set_xlabel(f"t (s){name}")
@@ -72,7 +72,7 @@ def _draw(axes: Sequence[Axes], pair: Pair, k: int, window: tuple[float, float] 
         ax.plot(time, residual.value[own], color=MODEL_COLOURS[name], lw=0.7)
         ax.axhline(0, **ZERO_LINE_STYLE)
         ax.margins(x=0.01)
-    axes[0].set_ylabel(named(pair[0]))
+    axes[0].set_ylabel(residual_label(pair[0]))
     _cut(axes[0], pair)
 
 
@@ -81,7 +81,7 @@ def _cut(ax: Axes, pair: Pair) -> None:
     ax.set_ylim(-top, top)
 
 
-def _closer(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
+def _closeup_span(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
     """Begin and end of a closer look (s): so many periods of what repeats in time, else some seconds."""
     periods = [law.period for law in (*found.final.laws, *found.withdrawn) if law.of == "time" and law.period]
     long = min(CLOSEUP_INTERVAL, MAX_CLOSEUP_PERIODS * min(periods, default=CLOSEUP_INTERVAL))
@@ -94,7 +94,7 @@ def _closer(found: Diagnosis, worst: Residual, k: int) -> tuple[float, float]:
 
 
 @dataclass(frozen=True)
-class Followed:
+class Dependence:
     """What a pair may follow: the variable in words, its values (b,) at the rows, and means (k,), each with what it is
     at, of the refitted and of the extended model, with standard deviations where they are known."""
 
@@ -104,20 +104,22 @@ class Followed:
     means: tuple[tuple[Array, Array, Array | None], ...]
 
 
-def followed(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[Followed]:
+def dependences(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[Dependence]:
     """What the disagreeing coordinates go along with (but for time, which is drawn), and what withdrawn laws that
     repeat are of."""
     maps = {(one.coordinate, one.variable): (one.refitted, one.extended) for one in found.residual_maps}
     for fine, coarse in shown:
-        share, best = most_followed(coarse[0], but="time")
+        share, best = strongest_dependence(coarse[0], but="time")
         if found.disagrees and share > MIN_DRAWN_FRACTION and best:
             values = variables(fine[0].circumstances)[best.variable, best.unit]
             means = tuple((one.at, one.mean, one.std) for one in maps[coarse[0].coordinate, best.variable])
-            yield Followed(fine, f"{best.variable} ({best.unit})", values, means)
+            yield Dependence(fine, f"{best.variable} ({best.unit})", values, means)
     for effect in (law.effects[0] for law in found.withdrawn if law.period):
         fine = shown[0][0]
-        values = row_values(effect, finely(found.final.logs)) % effect.cycle
-        yield Followed(fine, f"{variable_of(effect)} ({unit_of(effect)}), folded", values, tuple(_folded(fine, values)))
+        values = row_values(effect, with_fine_rows(found.final.logs)) % effect.cycle
+        yield Dependence(
+            fine, f"{variable_of(effect)} ({unit_of(effect)}), folded", values, tuple(_folded(fine, values))
+        )
 
 
 def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
@@ -126,7 +128,7 @@ def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
         yield at, mean, None
 
 
-def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
+def dependence_figure(rows: Sequence[Dependence]) -> Figure:
     """Figure of rows as dots, and their means in bins."""
     figure, axes = sides(len(rows), len(rows[0].pair), 2.2)
     for one, row in zip(rows, axes, strict=True):
@@ -136,14 +138,16 @@ def over_what_it_follows(rows: Sequence[Followed]) -> Figure:
             ax.errorbar(at, mean, std, fmt=".-", lw=1.0, ms=5, color=MODEL_COLOURS[name])
             ax.axhline(0, **ZERO_LINE_STYLE)
             ax.set_xlabel(one.words)
-        row[0].set_ylabel(named(one.pair[0]))
+        row[0].set_ylabel(residual_label(one.pair[0]))
         _cut(row[0], one.pair)
     return figure
 
 
-def on_the_floor(shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+def floor_figure(shown: Sequence[tuple[Pair, Pair]]) -> Figure:
     """Figure of residuals on the floor, a row for each coordinate."""
     figure, axes = sides(len(shown), len(shown[0][1]), 2.6, sharex=True)
     for row, (_, pair) in zip(axes, shown, strict=True):
-        on_floor(figure, row, pair[0].circumstances.course.place, [one.value for one in pair], named(pair[0]))
+        on_floor(
+            figure, row, pair[0].circumstances.covariates.place, [one.value for one in pair], residual_label(pair[0])
+        )
     return figure

@@ -13,7 +13,7 @@ from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
-from ..findings.forced_motion import Driven
+from ..findings.forced_motion import ForcedMotion
 from ..findings.held_out import HELD_OUT_FOLDS, fold_carts, fold_starts
 from ..findings.rollouts import HORIZONS, rolled_out, rollouts
 from .drawing import MODEL_COLOURS, grid
@@ -44,7 +44,7 @@ def rollout_figure(found: Diagnosis) -> Figure | None:
     known = [
         Stretch(balances, k, int(row), float(error))
         for balances, k, first in fold_starts(found.nominal)
-        for row, error in zip(first, _astray(balances, carts["refitted"][k], first), strict=True)
+        for row, error in zip(first, _end_errors(balances, carts["refitted"][k], first), strict=True)
         if np.isfinite(error)
     ]
     if not known:
@@ -65,7 +65,7 @@ def rollout_figure(found: Diagnosis) -> Figure | None:
     return figure
 
 
-def _astray(balances: Balances, cart: CartModel, first: np.ndarray) -> Array:
+def _end_errors(balances: Balances, cart: CartModel, first: np.ndarray) -> Array:
     """How far (starts,), m, a cart is astray in the end."""
     return np.asarray(np.hypot(*rollouts(balances, cart, first).error[:, DRAWN_HORIZON_INDEX, :2].T))
 
@@ -75,7 +75,7 @@ def _draw(row: np.ndarray, stretch: Stretch, carts: dict[str, CartModel]) -> Non
     after = np.arange(0, round(HORIZONS[DRAWN_HORIZON_INDEX] / motion.step) + 1, STEPS_PER_CURVE_POINT)
     time = motion.time[stretch.first + after] - motion.time[stretch.first]
     for name, cart in carts.items():
-        true, driven = motion.of_body(cart).pose[stretch.first + after], Driven.of(stretch.balances, cart)
+        true, driven = motion.of_body(cart).pose[stretch.first + after], ForcedMotion.of(stretch.balances, cart)
         rolled = rolled_out(stretch.balances, cart, np.array([stretch.first]), driven, after[1:])[0]
         pose = np.vstack([driven.pose[stretch.first], rolled])
         if name == "nominal":

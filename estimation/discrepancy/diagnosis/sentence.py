@@ -6,8 +6,8 @@ from typing import TYPE_CHECKING
 
 from cartgrasp.effects import Effect
 
-from ..findings.named_effects import together, words_of
-from ..findings.verdicts import called, verdict
+from ..findings.named_effects import grouped, words_of
+from ..findings.verdicts import candidate_name, verdict
 from ..search.gains import CONFUSABLE_NATS
 
 if TYPE_CHECKING:
@@ -39,7 +39,7 @@ def _of_model(found: Diagnosis) -> str:
     if found.verdict == "unexplained":
         return f"They disagree, and nothing surely explains it: {refitted}, while {floor}.{_likeliest(found)}"
     several = len(found.effects) > 1
-    names, them = "; ".join(map(words_of, together(found.effects))), "them" if several else "it"
+    names, them = "; ".join(map(words_of, grouped(found.effects))), "them" if several else "it"
     part = "" if found.verdict == "explained" else f", which {'explain' if several else 'explains'} a part"
     shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
     return f"The model lacks {names}{part}: with {them} {shrinks}, {_closed(gap)}; {floor}."
@@ -57,7 +57,7 @@ def _likeliest(found: Diagnosis) -> str:
     best = max(left, key=lambda one: one.gain, default=None)
     if best is None or best.gain < CONFUSABLE_NATS:
         return ""
-    return f" Nearest comes {called(best)} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
+    return f" Nearest comes {candidate_name(best)} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
 
 
 def _beside(found: Diagnosis) -> str:

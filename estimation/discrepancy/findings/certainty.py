@@ -26,9 +26,9 @@ from ..search.laws import Law
 from ..search.model import FORCE_LEVER_STD, Model
 from ..search.refine import is_open, moves, refined
 from ..search.screening import Screen
-from .half_sine_push import begun_earlier, soft_gain, with_impulse_of
+from .half_sine_push import as_half_sine, half_sine_gain, with_impulse_of
 from .learned import LearnedLaw, learned
-from .reported_mass import told_mass
+from .reported_mass import reported_mass
 
 IDENTIFIED_STD_RATIO = 0.25
 """Share of a usual first guess's standard deviation (`Prior`): what is known better was taught."""
@@ -54,17 +54,17 @@ SIZE_FORM_FRACTION = 0.02
 # Many methods: covariances of a model's numbers by steps that share one joint covariance, which is costly.
 @dataclass(frozen=True, eq=False)
 class Certainty:
-    """How sure a model's numbers are. `bands` are those of logs that somebody pushed. `undecided` is a covariance of
-    its first guess's coordinates beside, for what explains about as much as what it has."""
+    """How sure a model's numbers are. `bands` are those of logs that somebody pushed. `between_model` is a covariance
+    of its first guess's coordinates beside, for what explains about as much as what it has."""
 
     model: Model
     bands: tuple[Band, ...] = ()
-    undecided: Array | None = None
+    between_model: Array | None = None
 
     @cached_property
     def _mass(self) -> tuple[float, float]:
         """Logarithm of the mass, and its standard deviation."""
-        return told_mass(float(np.log(self.model.cart.inertia.mass)), self._covariance[0, 0] ** 0.5, self.bands)
+        return reported_mass(float(np.log(self.model.cart.inertia.mass)), self._covariance[0, 0] ** 0.5, self.bands)
 
     @cached_property
     def cart(self) -> CartModel:
@@ -122,11 +122,11 @@ class Certainty:
         if self.model.prior.free[0]:
             more = max(self._mass[1] ** 2 - found[0, 0], 0.0)
             found = found + np.outer(found[0], found[0]) / found[0, 0] ** 2 * more
-        if self.undecided is None:
+        if self.between_model is None:
             return found
-        free = np.flatnonzero(self.model.prior.free[: len(self.undecided)])
+        free = np.flatnonzero(self.model.prior.free[: len(self.between_model)])
         beside = np.zeros_like(found)
-        beside[: len(free), : len(free)] = self.undecided[np.ix_(free, free)]
+        beside[: len(free), : len(free)] = self.between_model[np.ix_(free, free)]
         return np.asarray(found + beside)
 
     @property
@@ -224,8 +224,8 @@ class Certainty:
         screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
         gain: Callable[[Effect], float] = screen.gain
         if effect.gate is Gate.WHILE:
-            softly = partial(soft_gain, screen)
-            whole = refined(begun_earlier(none), softly)
+            softly = partial(half_sine_gain, screen)
+            whole = refined(as_half_sine(none), softly)
             if softly(whole) > gain(none):
                 gain, none, effect = softly, whole, with_impulse_of(effect, whole)
         found = dict[str, float]()

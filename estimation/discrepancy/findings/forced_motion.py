@@ -16,7 +16,7 @@ from ...weak_form.balances import Balances
 
 
 @dataclass(frozen=True, eq=False)
-class Driven:
+class ForcedMotion:
     """Poses (n, 3) and free velocities (n, f) of {b} along a log, with reduced wrenches (n, f). In {s}, of the tracked
     frame: its `known` rates (n, 3), which the cart gains from these, and its pose and rate, (n, 3) each, that keep to
     them with such penalties (3,)."""
@@ -31,13 +31,13 @@ class Driven:
     penalties: Array
 
     @classmethod
-    def of(cls, balances: Balances, cart: CartModel) -> Driven:
+    def of(cls, balances: Balances, cart: CartModel) -> ForcedMotion:
         wrench = balances.wrenches.planar(cart) @ cart.basis_b
         known = _rate_s(balances, cart, wrench)
         pose, rate, penalties = balances.motion.fits.beside(known)
         return cls(balances, cart, wrench, *_of_body(cart, pose, rate), known, (pose, rate), penalties)
 
-    def with_noise(self, density: Array, generator: np.random.Generator) -> Driven:
+    def with_noise(self, density: Array, generator: np.random.Generator) -> ForcedMotion:
         """The same with the noise of the motion's sensors once more, and with white noise of the reduced wrench, by the
         root of its density (f,), N/√Hz, N·m/√Hz."""
         motion = self.balances.motion

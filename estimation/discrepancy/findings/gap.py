@@ -47,7 +47,7 @@ class Gap:
         return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
 
 
-def told_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
+def reported_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
     """The gap, with the file's errors for the refitted ones where the file's values are the better nominal model. And
     whether nothing was added to that, so that they stay."""
     gap = measured_gap(nominal, final)

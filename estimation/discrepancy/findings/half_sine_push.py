@@ -14,7 +14,7 @@ HALF_SINE_LEAD_FRACTION = 0.174
 most of sin(a)/√a within ±a of its middle, where tan(a) = 2a."""
 
 
-def soft_gain(screen: Screen, effect: Effect) -> float:
+def half_sine_gain(screen: Screen, effect: Effect) -> float:
     """Gain of half a sine over the span of an effect that begins and ends."""
     start, duration = effect.values[:2].tolist()
 
@@ -24,7 +24,7 @@ def soft_gain(screen: Screen, effect: Effect) -> float:
     return screen.gain(effect, share)
 
 
-def begun_earlier(effect: Effect) -> Effect:
+def as_half_sine(effect: Effect) -> Effect:
     """The effect over the span of the half sine to which its rectangle is the nearest."""
     values = effect.values.copy()
     values[0] -= HALF_SINE_LEAD_FRACTION * effect.values[1]

@@ -19,7 +19,7 @@ from ...weak_form.band import Band, band_in
 from ...weak_form.coordinates import coordinates, with_coordinates
 from ..search.model import Model
 from .fast_noise import fast_noise
-from .reported_mass import told_mass
+from .reported_mass import reported_mass
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
 
 HELD_OUT_FOLDS = 3
@@ -29,7 +29,7 @@ MAX_LOG_INERTIA_CHANGE = 1.0
 """Largest change of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 
 
-def once(ask: Callable[[Model], Rollouts]) -> Callable[[Model], Rollouts]:
+def cached_per_model(ask: Callable[[Model], Rollouts]) -> Callable[[Model], Rollouts]:
     """Asks once of each model, which never changes: several findings look at the same rollouts."""
     known = WeakKeyDictionary[Model, Rollouts]()
 
@@ -42,13 +42,13 @@ def once(ask: Callable[[Model], Rollouts]) -> Callable[[Model], Rollouts]:
     return asked
 
 
-@once
+@cached_per_model
 def file_rollouts(model: Model) -> Rollouts:
     """Rollouts with the first guess."""
     return joined([rollouts(balances, model.guess, starts(balances)) for balances in model.logs])
 
 
-@once
+@cached_per_model
 def held_out_rollouts(model: Model) -> Rollouts:
     """Rollouts of each stretch with a cart that was fitted to the others."""
     carts = fold_carts(model)
@@ -82,7 +82,7 @@ def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
     return np.asarray(own[np.clip(np.searchsorted(balances.time, times), 0, len(own) - 1)])
 
 
-@once
+@cached_per_model
 def floor_rollouts(model: Model) -> Rollouts:
     """Rollouts of what noise alone would do to a right model."""
     generator, found, whole = np.random.default_rng(0), [], model.whole
@@ -99,12 +99,12 @@ def _without(model: Model, fold: int) -> CartModel:
     joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
     information, here = joint[:q, :q] + np.diag(model.prior_std**-2.0), np.zeros(q)
     here[: len(free)] = model.moved
-    own = np.flatnonzero(np.append(~_once(model.cart)[free], np.ones(q - len(free), dtype=bool)))
+    own = np.flatnonzero(np.append(~_transient_parameters(model.cart)[free], np.ones(q - len(free), dtype=bool)))
     step, covariance = np.zeros(q), np.linalg.inv(information[np.ix_(own, own)])
     step[own] = covariance @ (joint[:q, q] - information @ here)[own]
     if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
         mass = float(z[0] + step[0])
-        more = told_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
+        more = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
         step[own] += (
             covariance[:, 0] / covariance[0, 0] * np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE)
         )
@@ -129,7 +129,7 @@ def _bands_without(model: Model, fold: int) -> list[Band]:
     return [band for band in found if band is not None]
 
 
-def _once(cart: CartModel) -> np.ndarray:
+def _transient_parameters(cart: CartModel) -> np.ndarray:
     """Parameters (p,) of what happens once: held out, it can't be learned."""
     once = [False] * N_PHI
     for effect in cart.effects:

@@ -17,11 +17,11 @@ from ...impacts.end_stops import StopEstimate
 from ..search.candidates import free_label
 from ..search.gains import MIN_GAIN_NATS, added
 from ..search.model import Model
-from ..search.scored_candidates import Attempt, Step
-from .alternatives import rivals
+from ..search.scored_candidates import ScoredCandidate, SearchStep
+from .alternatives import alternatives
 from .certainty import Certainty
 from .learned import LearnedLaw
-from .verdicts import called
+from .verdicts import candidate_name
 
 PRESENT_SIGMAS = 2.0
 """Standard deviations from which on a value is there."""
@@ -70,7 +70,7 @@ class NamedEffect:
 
 
 @dataclass(frozen=True)
-class _Told:
+class _NameEvidence:
     """What is told of an effect that a step added, or that none did."""
 
     probability: float
@@ -79,30 +79,34 @@ class _Told:
     gain: float = 0.0
 
 
-def named(
-    steps: Sequence[Step], final: Model, certainty: Certainty, shares: Sequence[float]
+def named_effects(
+    steps: Sequence[SearchStep], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """Added effects in order of addition; laws last."""
-    by, first = dict[str, _Told](), _largest(steps)
+    by, first = dict[str, _NameEvidence](), _largest(steps)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
-            by.setdefault(step.added.key, _told(step, step.added, first, share))
+            by.setdefault(step.added.key, _name_evidence(step, step.added, first, share))
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
-        found.append(_named(effect, parameters, by.get(effect.key, _Told(UNTRIED_NAME_PROBABILITY))))
+        found.append(_named_effect(effect, parameters, by.get(effect.key, _NameEvidence(UNTRIED_NAME_PROBABILITY))))
     for key, law in certainty.laws:
         sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
         parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
-        found.append(replace(_named(law.effect, parameters, by.get(key, _Told(UNTRIED_NAME_PROBABILITY))), law=law))
+        found.append(
+            replace(
+                _named_effect(law.effect, parameters, by.get(key, _NameEvidence(UNTRIED_NAME_PROBABILITY))), law=law
+            )
+        )
     return tuple(found)
 
 
-def _named(effect: Effect, parameters: dict[str, tuple[float, float, str]], told: _Told) -> NamedEffect:
+def _named_effect(effect: Effect, parameters: dict[str, tuple[float, float, str]], told: _NameEvidence) -> NamedEffect:
     return NamedEffect(effect.name, effect.label, parameters=parameters, **vars(told))
 
 
-def together(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
+def grouped(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
     """Groups of effects: each alone, but both parts of one force of the world together."""
     found = list[list[NamedEffect]]()
     for one in effects:
@@ -130,30 +134,30 @@ def with_unit(number: str, unit: str) -> str:
     return number if unit == "-" else f"{number} {unit}"
 
 
-def doubted(steps: Sequence[Step], final: Model, shares: Sequence[float]) -> list[str]:
+def doubtful_names(steps: Sequence[SearchStep], final: Model, shares: Sequence[float]) -> list[str]:
     """Keys of added effects that are more likely wrong than right, whatever their rivals: what gains little beside
     another, and closes nothing of the gap."""
     first, has = _largest(steps), {effect.key for effect in added(final)}
     known = ((step.added, share) for step, share in zip(steps, shares, strict=True) if step.added)
-    return [one.key for one, share in known if one.key in has and true_alone(one.gain, first, share > 0.0) < 0.5]
+    return [one.key for one, share in known if one.key in has and name_probability(one.gain, first, share > 0.0) < 0.5]
 
 
-def _largest(steps: Sequence[Step]) -> float:
+def _largest(steps: Sequence[SearchStep]) -> float:
     """Largest gain of what was added, nats."""
     return max((step.added.gain for step in steps if step.added), default=0.0)
 
 
-def _told(step: Step, own: Attempt, first: float, share: float) -> _Told:
+def _name_evidence(step: SearchStep, own: ScoredCandidate, first: float, share: float) -> _NameEvidence:
     """What is told of an addition: its name's probability, and the names of what explains about as much. Another arm's
     effect has the same name."""
-    known = rivals(step)
+    known = alternatives(step)
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
-    others = sum(odds for odds, one in known if called(one) != called(own))
-    alone = true_alone(own.gain, first, share > 0.0)
-    return _Told(alone / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others), tuple(names), share, own.gain)
+    others = sum(odds for odds, one in known if candidate_name(one) != candidate_name(own))
+    alone = name_probability(own.gain, first, share > 0.0)
+    return _NameEvidence(alone / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others), tuple(names), share, own.gain)
 
 
-def true_alone(gain: float, first: float, closes: bool) -> float:
+def name_probability(gain: float, first: float, closes: bool) -> float:
     """How probable a name is that gains so much (nats), where the largest gain is the `first`, and which closes some of
     the gap or none, were there no rivals."""
     more, beside = np.log(max(gain, 1.0) / MIN_GAIN_NATS), np.log(max(gain, 1.0) / max(first, gain, 1.0))

@@ -9,7 +9,7 @@ import numpy as np
 from ...weak_form.band import Band, pooled
 
 
-def told_mass(own: float, std: float, bands: Sequence[Band]) -> tuple[float, float]:
+def reported_mass(own: float, std: float, bands: Sequence[Band]) -> tuple[float, float]:
     """Logarithm of the mass, and its standard deviation: of a fit (`own`, `std`), in the middle of what its bands leave
     open, and of the band alone that tells it best, beside forces of many forms; each as sure as it is, both no surer
     than they agree."""

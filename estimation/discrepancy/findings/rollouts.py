@@ -14,7 +14,7 @@ from cartgrasp.simulation.integrate import runge_kutta_4
 
 from ...standstill import STANDSTILL_SPEED
 from ...weak_form.balances import Balances
-from .forced_motion import Driven
+from .forced_motion import ForcedMotion
 
 HORIZONS = (0.5, 1.0, 2.0)
 """Horizons of rollouts (s)."""
@@ -70,14 +70,14 @@ def rolled_out(
     balances: Balances,
     cart: CartModel,
     first: np.ndarray,
-    driven: Driven | None = None,
+    driven: ForcedMotion | None = None,
     after: np.ndarray | None = None,
 ) -> Array:
     """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. It starts from the
     motion that it is `driven` along, by default as the log's forces make it; `after` are steps of the grid in place of
     the horizons'."""
     motion, side = balances.motion, balances.wrenches.planar(cart)
-    driven = Driven.of(balances, cart) if driven is None else driven
+    driven = ForcedMotion.of(balances, cart) if driven is None else driven
     planar, state = cart.planar_wrench(driven.wrench), balances.state(cart)[first].copy()
     start = np.hstack([driven.pose, driven.velocity])[first]
     state[:, : start.shape[1]] = start
@@ -119,7 +119,7 @@ def noise_rollouts(
 ) -> Rollouts:
     """Rollouts of what noise of the motion's sensors, and white noise of the wrenches, (f,) N/√Hz, N·m/√Hz, do to a
     right model, drawn so many times."""
-    first, own, found = starts(balances), Driven.of(balances, cart), []
+    first, own, found = starts(balances), ForcedMotion.of(balances, cart), []
     right, pose_std = rolled_out(balances, cart, first, own), balances.motion.pose_std
     for _ in range(n_draws):
         wrong = rolled_out(balances, cart, first, own.with_noise(noise, generator))

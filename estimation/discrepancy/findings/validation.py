@@ -12,8 +12,8 @@ from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausibility import ESSENTIAL_SIGMAS, PRIOR_LOG_ODDS
-from ..search.scored_candidates import Step
-from .alternatives import undecided
+from ..search.scored_candidates import SearchStep
+from .alternatives import between_model_covariance
 from .certainty import Certainty
 from .gap import DISAGREEMENT_NOISE_RATIO
 from .held_out import file_rollouts, floor_rollouts, held_out_rollouts
@@ -24,7 +24,7 @@ MIN_GAP_CLOSED_FRACTION = 0.8
 """Share of the squared gap above noise: what closes as much is told though it gains less than `MIN_GAIN_NATS`."""
 
 
-def upheld(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
+def validated(final: Model, nominal: Model, known: Sequence[Band | None]) -> tuple[Model, tuple[Law, ...]]:
     """The model without what does not hold, and the laws that were withdrawn. First go loads that what nobody recorded
     may look like. Then go laws without which unseen stretches are foretold better. That these are hardly better with it
     is no reason: rows tell what is fast by many nats, and rollouts, which add up, next to nothing of it. Last additions
@@ -91,6 +91,6 @@ def rollout_error(rolled: Rollouts) -> float:
     return float(np.nan_to_num(rolled.gaps()[1], nan=np.inf)) if len(rolled.error) else np.inf
 
 
-def certainty_of(final: Model, steps: Sequence[Step], known: Sequence[Band | None]) -> Certainty:
+def certainty_of(final: Model, steps: Sequence[SearchStep], known: Sequence[Band | None]) -> Certainty:
     told = tuple(band for band in known if band is not None)
-    return Certainty(final, told, undecided(steps, final, len(final.guess.parameters)))
+    return Certainty(final, told, between_model_covariance(steps, final, len(final.guess.parameters)))

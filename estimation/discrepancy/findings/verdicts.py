@@ -10,8 +10,8 @@ from ..search.gains import GAIN_SIGMAS, MIN_GAIN_NATS
 from ..search.laws import Law
 from ..search.model import Model
 from ..search.plausibility import PRIOR_LOG_ODDS, objection
-from ..search.scored_candidates import Attempt, Refit, Step
-from ..search.search import least_gain, may_be, unseen
+from ..search.scored_candidates import Refit, ScoredCandidate, SearchStep
+from ..search.search import is_eligible, min_gain, missing_evidence
 
 ADDED, OTHER_SIZE = "added", "given another size"
 WITHDRAWN = "added, and withdrawn: beside all else, or on unseen stretches, too little speaks for it"
@@ -19,17 +19,17 @@ FORM_ERROR_WORDS = "what the forms of others may leave"
 NOT_FITTED = "not fitted with all else: too many others gain more at first sight"
 
 
-def called(one: Attempt) -> str:
+def candidate_name(one: ScoredCandidate) -> str:
     """The effect's name; of a law, what it is a law of."""
     candidate = one.candidate
     return candidate.effect.name if isinstance(candidate, Refit) else candidate.name
 
 
-def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
+def verdict(step: SearchStep, one: ScoredCandidate, final: Model | None = None) -> str:
     """Verdict on one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
         return ADDED if final is None else _kept(one, final)
-    if one.own_gain < (least := least_gain(one, step.form_error, MIN_GAIN_NATS)):
+    if one.own_gain < (least := min_gain(one, step.form_error, MIN_GAIN_NATS)):
         rest = "noise that drifts as what is left" if one.own_gain == one.beside_drift else FORM_ERROR_WORDS
         beside = "" if one.own_gain >= one.gain else f", {one.own_gain:.1f} beside {rest}"
         why = " beside what gained most" * (least > MIN_GAIN_NATS)
@@ -46,14 +46,14 @@ def verdict(step: Step, one: Attempt, final: Model | None = None) -> str:
     return NOT_FITTED if step.added is None else _beside(one, step.added)
 
 
-def may_follow(steps: Sequence[Step]) -> tuple[Law, ...]:
+def may_follow(steps: Sequence[SearchStep]) -> tuple[Law, ...]:
     """The law that gained most in the end, and was refused for nothing but what the forms of others may make."""
     last = steps[-1].attempts if steps and steps[-1].added is None else ()
     near = [one for one in last if one.model is not None and one.gain >= MIN_GAIN_NATS][:1]
-    return tuple(one.candidate for one in near if isinstance(one.candidate, Law) and may_be(one))
+    return tuple(one.candidate for one in near if isinstance(one.candidate, Law) and is_eligible(one))
 
 
-def _kept(one: Attempt, final: Model) -> str:
+def _kept(one: ScoredCandidate, final: Model) -> str:
     """Whether what was added was kept."""
     if isinstance(one.candidate, Law):
         return ADDED if any(law.kind == one.candidate.kind for law in final.laws) else WITHDRAWN
@@ -62,17 +62,17 @@ def _kept(one: Attempt, final: Model) -> str:
     return ADDED if one.key in {effect.key for effect in final.cart.effects} else WITHDRAWN
 
 
-def _objection(one: Attempt) -> str:
+def _objection(one: ScoredCandidate) -> str:
     """Why nobody would call it so at its values; empty where somebody would, or where it was not fitted."""
     if one.model is None or isinstance(one.candidate, Refit | Law):
         return ""
-    return objection(one.candidate, one.model.cart.wheel_set) or unseen(one.candidate, one.model)
+    return objection(one.candidate, one.model.cart.wheel_set) or missing_evidence(one.candidate, one.model)
 
 
-def _beside(one: Attempt, added: Attempt) -> str:
+def _beside(one: ScoredCandidate, added: ScoredCandidate) -> str:
     """Why it lost against what was added."""
     less, more = round(added.gain, 1) - round(one.gain, 1), one.numbers - added.numbers
-    usual = PRIOR_LOG_ODDS.get(called(added), 0.0) - PRIOR_LOG_ODDS.get(called(one), 0.0)
+    usual = PRIOR_LOG_ODDS.get(candidate_name(added), 0.0) - PRIOR_LOG_ODDS.get(candidate_name(one), 0.0)
     if one.model is None and less <= 0:
         return NOT_FITTED
     if less <= 0:

@@ -8,7 +8,7 @@ import numpy as np
 
 from cartgrasp.effects import ConstraintEffect
 
-from .gains import absent, added, added_worth, attempt, worth
+from .gains import absent, added, added_score_gain, score_gain, scored_candidate
 from .laws import Law
 from .model import Model
 from .plausibility import PRIOR_LOG_ODDS
@@ -17,7 +17,7 @@ from .scored_candidates import Refit
 from .screening import Screen
 
 
-def searched_again(model: Model) -> Model:
+def retuned(model: Model) -> Model:
     """The model with the settings of what was added where they are best beside all else."""
     for effect in added(model):
         if isinstance(effect, ConstraintEffect):
@@ -26,22 +26,22 @@ def searched_again(model: Model) -> Model:
         screen = Screen(less)
         best = refined(absent(effect), screen.gain)
         if not np.allclose(best.values, absent(effect).values):
-            fitted = attempt(less, best, 1).candidate
+            fitted = scored_candidate(less, best, 1).candidate
             assert not isinstance(fitted, Law | Refit)
             model = less.refitted(less.cart.with_effect(fitted))
     return model
 
 
-def dropped(model: Model, least: float) -> Model:
+def pruned(model: Model, least: float) -> Model:
     """The model without what later additions have made superfluous."""
     while len(added(model)) + len(model.laws) > 1:
         losses = []
         for effect in added(model):
             less = model.refitted(model.cart.without_effect(effect.key))
-            losses.append((added_worth(less, model, effect) + PRIOR_LOG_ODDS.get(effect.name, 0.0), less))
+            losses.append((added_score_gain(less, model, effect) + PRIOR_LOG_ODDS.get(effect.name, 0.0), less))
         for law in model.laws:
             less = replace(model, laws=tuple(one for one in model.laws if one is not law)).refitted(model.cart)
-            losses.append((worth(less.score, model.score, None), less))
+            losses.append((score_gain(less.score, model.score, None), less))
         loss, less = min(losses, key=lambda one: one[0])
         if loss >= least:
             break

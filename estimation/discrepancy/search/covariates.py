@@ -16,7 +16,7 @@ MIN_DIRECTED_SPEED = 0.02
 
 
 @dataclass(frozen=True)
-class Course:
+class Covariates:
     """At some times (b,): time since the log's first row, s; way rolled forward less backward, and both together
     (`travelled`), m; heading, rad; forward speed, m/s; yaw rate, rad/s; place of {b} (b, 2), m; distance since the last
     reversal, m (infinite before the first)."""
@@ -31,8 +31,8 @@ class Course:
     since_reversal: Array
 
     @classmethod
-    def along(cls, motion: Motion) -> Course:
-        """Course at all times of a motion (n,)."""
+    def along(cls, motion: Motion) -> Covariates:
+        """Covariates at all times of a motion (n,)."""
         speed, travelled = motion.velocity[:, 0], motion.way
         yaw_rate = motion.velocity[:, -1] if motion.velocity.shape[1] > 1 else np.zeros(len(speed))
         way = np.append(0.0, np.cumsum(speed[:-1] * np.diff(motion.time)))
@@ -52,14 +52,14 @@ class Course:
         return self.place[:, 1]
 
     @classmethod
-    def of(cls, time: Array, log: np.ndarray, motions: Sequence[Motion]) -> Course:
-        """Course at times (b,), by the clock of the logs (b,) to which they belong; logs follow one another."""
+    def of(cls, time: Array, log: np.ndarray, motions: Sequence[Motion]) -> Covariates:
+        """Covariates at times (b,), by the clock of the logs (b,) to which they belong; logs follow one another."""
         parts = [cls.along(motion).at(rows_at(motion, time[log == k])) for k, motion in enumerate(motions)]
         names = [field.name for field in fields(cls)]
         return cls(*(np.concatenate([getattr(part, name) for part in parts]) for name in names))
 
-    def at(self, rows: np.ndarray) -> Course:
-        return Course(*(getattr(self, field.name)[rows] for field in fields(self)))
+    def at(self, rows: np.ndarray) -> Covariates:
+        return Covariates(*(getattr(self, field.name)[rows] for field in fields(self)))
 
 
 def rows_at(motion: Motion, time: Array) -> np.ndarray:

@@ -22,7 +22,7 @@ from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from ...weak_form.score import Score
 from ...weak_form.wheel_tracks import touches
-from .covariates import Course
+from .covariates import Covariates
 from .laws import Law, splines
 from .model import Model
 
@@ -111,7 +111,7 @@ def _modulated(balances: Balances, made: list[Array], gates: list[Gate], turn: i
 def modes_of(motion: Motion, gate: Gate = Gate.ALWAYS) -> Array:
     """What an effect's size may change with, along a motion (n, m): each about one where it is largest. Not with the
     way it rolls, which makes another effect of a drag; nor with time or place where a gate says when or where."""
-    course = Course.along(motion)
+    course = Covariates.along(motion)
     speed, turning = (np.asarray(one / max(np.abs(one).max(), 1e-3)) for one in (np.abs(course.speed), course.yaw_rate))
     place = course.place - course.place.mean(axis=0)
     x, y = (place / np.maximum(np.abs(place).max(axis=0), 0.1)).T

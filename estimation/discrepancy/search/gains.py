@@ -13,7 +13,7 @@ from .candidates import Family, amplitudes_of, families
 from .laws import Law
 from .model import Model
 from .plausibility import PRIOR_LOG_ODDS
-from .scored_candidates import Attempt
+from .scored_candidates import ScoredCandidate
 
 MIN_GAIN_NATS = 10.0
 """Least gain in score of what is added; also how much less something simpler than what acts for a while may explain."""
@@ -23,7 +23,7 @@ GAIN_SIGMAS = 1.5
 """Standard errors of its gain, over stretches, that what acts all the time gains at least (Vehtari et al., 2017)."""
 
 
-def worth(base: Score, score: Score, colour: float | None) -> float:
+def score_gain(base: Score, score: Score, colour: float | None) -> float:
     """How much better a score is: in pieces, and, of what acts everywhere, in stretches too. What happens once, beside
     noise of a `colour`, gains as many times less."""
     pieces = float(score.pieces.sum() - base.pieces.sum())
@@ -46,12 +46,12 @@ def margin(one: Model, best: Model, *gates: Gate) -> float:
     return max(least, GAIN_SIGMAS * standard_error(one.score, best.score))
 
 
-def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
-    """Attempt with an effect: its score where the model's parameters move a little, if at all, and the effect with its
+def scored_candidate(model: Model, effect: Effect, tried: int) -> ScoredCandidate:
+    """Candidate of an effect: its score where the model's parameters move a little, if at all, and the effect with its
     amplitudes."""
     colour: float | None = None
     if isinstance(effect, TimeDelay):
-        score = model.late(effect.delay).score
+        score = model.with_wrench_delay(effect.delay).score
         fitted: Effect = effect
     else:
         columns, std = model.columns_of(effect)
@@ -63,22 +63,22 @@ def attempt(model: Model, effect: Effect, tried: int) -> Attempt:
             values[amplitudes_of(effect)] += own
             fitted = effect.with_values(values)
             if effect.gate is not Gate.ALWAYS:
-                colour = model.colour_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
-    gain = worth(model.score, score, colour) - float(np.log(tried))
-    return Attempt(fitted, gain + PRIOR_LOG_ODDS.get(effect.name, 0.0), tried)
+                colour = model.variance_inflation_beside(model.rows_with(columns), score) if effect.gate.ends else 1.0
+    gain = score_gain(model.score, score, colour) - float(np.log(tried))
+    return ScoredCandidate(fitted, gain + PRIOR_LOG_ODDS.get(effect.name, 0.0), tried)
 
 
-def added_worth(less: Model, model: Model, effect: Effect) -> float:
+def added_score_gain(less: Model, model: Model, effect: Effect) -> float:
     """What an effect of a model is worth, against one without."""
-    return worth(less.score, model.score, colour_of(model, effect))
+    return score_gain(less.score, model.score, variance_inflation_of(model, effect))
 
 
-def colour_of(model: Model, candidate: Effect | Law) -> float | None:
+def variance_inflation_of(model: Model, candidate: Effect | Law) -> float | None:
     """Colour of what is left with a candidate that does not act everywhere, else None: a push is like anything that
     drifts."""
     if isinstance(candidate, Law) or candidate.gate is Gate.ALWAYS:
         return None
-    return model.colour if candidate.gate.ends else 1.0
+    return model.variance_inflation if candidate.gate.ends else 1.0
 
 
 def absent(effect: Effect) -> Effect:

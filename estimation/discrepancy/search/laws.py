@@ -19,7 +19,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.balances import Balances
 from ...weak_form.motion import Motion
 from .candidates import free_label
-from .covariates import Course, rows_at
+from .covariates import Covariates, rows_at
 
 VARIABLE_WORDS = {
     "travelled_distance": "travelled distance",
@@ -150,7 +150,7 @@ def row_values(effect: LearnedForce, logs: Sequence[Balances]) -> Array:
 
 
 def _values(effect: LearnedForce, motion: Motion) -> Array:
-    course = Course.along(motion)
+    course = Covariates.along(motion)
     if effect.of == "place":
         along = np.array([np.cos(effect.direction), np.sin(effect.direction)])
         return course.place if effect.knots_y else course.place @ along

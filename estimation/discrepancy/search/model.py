@@ -73,7 +73,7 @@ def structure_prior(
         mean[i] = mean[i] if is_place else p.absent
         std[i] = 2 * p.typical if is_place else AMPLITUDE_PRIOR_RATIO * p.typical
         free[i] = p.estimated
-    told = _told(guess, believed)
+    told = _believed_stds(guess, believed)
     for i, name in enumerate(report_names(cart)):
         if name in told and name.rpartition(".")[0] not in wide:
             std[i] = told[name]
@@ -83,7 +83,7 @@ def structure_prior(
     return ParameterPrior(mean, std, free)
 
 
-def _told(guess: CartModel, believed: Prior | None) -> dict[str, float]:
+def _believed_stds(guess: CartModel, believed: Prior | None) -> dict[str, float]:
     """Standard deviations by name that are told, those of mass and inertia of the logarithm."""
     if believed is None:
         told = dict(guess.first_guess.std)
@@ -100,7 +100,7 @@ class RowNoise:
     neighbours share (`memory`, c,)."""
 
     cart: CartModel
-    loudness: float
+    noise_scale: float
     excess: Array
     form: Array
     friction: Array
@@ -111,7 +111,7 @@ class RowNoise:
 
     def beside(self, errors: Errors) -> Balances:
         """Rows with this cart as their reference, and this noise."""
-        heard = errors.heard(self.excess, self.form, self.friction, self.loudness)
+        heard = errors.heard(self.excess, self.form, self.friction, self.noise_scale)
         return errors.balances.beside(self.cart, heard)
 
     def whitening(self, errors: Errors, compares: bool) -> Whitening:
@@ -182,7 +182,7 @@ class Model:
 
     def rewhitened(self) -> Model:
         """The model on rows whose noise is what it leaves."""
-        left, parts, at = self.left, [], 0
+        left, parts, at = self.residual, [], 0
         for balances in self.logs:
             parts.append((Errors.of(balances, self.cart, self.compares), left[at : at + len(balances.used)]))
             at += len(balances.used)
@@ -237,26 +237,26 @@ class Model:
         return self.whitened(self._raw)
 
     @cached_property
-    def left(self) -> Array:
+    def residual(self) -> Array:
         """What is left of the raw rows (k, c) at the best linear fit."""
-        return self._left_of(self._raw)
+        return self._residual_of(self._raw)
 
-    def left_on(self, logs: tuple[Balances, ...]) -> Array:
+    def residual_on(self, logs: tuple[Balances, ...]) -> Array:
         """What the same fit leaves on other rows (k, c) of the logs."""
-        return self.left if logs is self.logs else self._left_of(replace(self, logs=logs)._raw)
+        return self.residual if logs is self.logs else self._residual_of(replace(self, logs=logs)._raw)
 
-    def _left_of(self, raw: Sequence[Array]) -> Array:
+    def _residual_of(self, raw: Sequence[Array]) -> Array:
         rows = np.concatenate(raw)
         return np.asarray(rows[..., -1] - rows[..., :-1] @ self.score.fit)
 
     @cached_property
-    def colour(self) -> float:
+    def variance_inflation(self) -> float:
         """How many times larger the variance of long means of what is left is than if rows were independent, in most of
         the log: what drifts looks like a push here and there."""
-        return self.colour_beside(self.rows, self.score)
+        return self.variance_inflation_beside(self.rows, self.score)
 
-    def colour_beside(self, rows: Array, score: Score) -> float:
-        """`colour` of rows (k, c, q + 1) with more columns, and their score."""
+    def variance_inflation_beside(self, rows: Array, score: Score) -> float:
+        """`variance_inflation` of rows (k, c, q + 1) with more columns, and their score."""
         standard = (rows[..., -1] - rows[..., :-1] @ score.fit) / score.scale
         size = max(min(round(LONG_MEAN_INTERVAL / self.logs[0].row_step), len(standard) // MIN_LONG_MEANS), 1)
         count = len(standard) // size
@@ -354,24 +354,24 @@ class Model:
         std = np.array([2 * effect.parameters[i].typical for i in own])
         return self.whitened([each[..., own] for each in raw]), std
 
-    def late(self, delay: float) -> Model:
+    def with_wrench_delay(self, delay: float) -> Model:
         """The model with wrenches that were felt `delay` (s) before they were recorded."""
         return replace(self, logs=tuple(balances.late(delay) for balances in self.logs))
 
     @property
-    def lateness(self) -> float:
-        return lateness(self.cart, self.logs)
+    def wrench_delay(self) -> float:
+        return wrench_delay(self.cart, self.logs)
 
     def refitted(self, cart: CartModel) -> Model:
         """Another structure, fitted on rows that are whitened alike."""
-        delay = lateness(cart, self.logs)
-        base = self.late(delay) if delay != self.lateness else self
+        delay = wrench_delay(cart, self.logs)
+        base = self.with_wrench_delay(delay) if delay != self.wrench_delay else self
         model = replace(base, cart=cart, at_bound=None)
         prior = self._prior_of(cart)
         found = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         return replace(model, cart=found.resized(), at_bound=found.at_bound)
 
 
-def lateness(cart: CartModel, logs: Sequence[Balances]) -> float:
+def wrench_delay(cart: CartModel, logs: Sequence[Balances]) -> float:
     """Lateness (s) of the arms together, which is that of the latest."""
     return max((cart.lateness(arm) for balances in logs for arm in balances.wrenches.arms), default=0.0)

@@ -15,7 +15,7 @@ from cartgrasp.wheels import FIXED
 
 from ...weak_form.balances import Balances
 from ...weak_form.integrals import GRID_STRIDE
-from .covariates import Course
+from .covariates import Covariates
 from .laws import AT_HANDS, Law, both_ways, seen_values
 from .model import Model
 
@@ -56,13 +56,15 @@ class Scan:
         is_of_world = self.variable == "time" and self.effect.acts_on == "world_force"
         return both_ways(form, law.effects[0], law.basis) if is_of_world else law
 
-    def of(self, course: Course) -> Array:
+    def of(self, course: Covariates) -> Array:
         """The variable (n,) where the force is."""
         return np.asarray(
             getattr(course, self.variable) - self.effect.lever * course.heading * (self.variable == "way")
         )
 
-    def columns(self, frequencies: Array, harmonics: int, course: Course, balances: Balances, cart: CartModel) -> Array:
+    def columns(
+        self, frequencies: Array, harmonics: int, course: Covariates, balances: Balances, cart: CartModel
+    ) -> Array:
         """Raw columns (k, c, v, 2 h) of cosines and sines of frequencies (v,) and so many harmonics of each."""
         turns = np.multiply.outer(frequencies, np.arange(1, harmonics + 1))
         return _waves(self.of(course), _unit(self.effect, course, cart.constraints.n_free), turns, balances, cart)
@@ -72,7 +74,7 @@ class Scan:
         """From one frequency to the next."""
         return float(self.frequencies[1] - self.frequencies[0])
 
-    def power(self, courses: Sequence[Course], pulls: Sequence[Array]) -> tuple[Array, Array]:
+    def power(self, courses: Sequence[Covariates], pulls: Sequence[Array]) -> tuple[Array, Array]:
         """How much pulls (n, f) of the residual on forces and moments along the courses go with each of frequencies
         (v,), up to the highest, and these: by a fast Fourier transform of pulls over the variable, each shared by the
         two nearest of its grid's points."""
@@ -119,7 +121,7 @@ def _waves(variable: Array, unit: Array, turns: Array, balances: Balances, cart:
     return found
 
 
-def _unit(effect: LearnedForce, course: Course, free: int) -> Array:
+def _unit(effect: LearnedForce, course: Covariates, free: int) -> Array:
     """What a unit of the force gives in the free directions (n, f)."""
     angle, found = effect.direction - course.heading, np.zeros((len(course.time), free))
     if effect.acts_on == "yaw_moment":
@@ -139,11 +141,11 @@ def is_like_a_scans(effect: LearnedForce) -> bool:
 
 def waves(effect: LearnedForce, frequencies: Array, balances: Balances, cart: CartModel) -> Array:
     """Raw columns (k, c, v, 2) of cosines and sines of frequencies (v,) of a force like one that repeats."""
-    variable, course = seen_values(effect, [balances.motion]), Course.along(balances.motion)
+    variable, course = seen_values(effect, [balances.motion]), Covariates.along(balances.motion)
     return _waves(variable, _unit(effect, course, cart.constraints.n_free), frequencies[:, None], balances, cart)
 
 
-def scans(courses: Sequence[Course], cart: CartModel, hands: float, resolved: float) -> list[Scan]:
+def scans(courses: Sequence[Covariates], cart: CartModel, hands: float, resolved: float) -> list[Scan]:
     """Scans that a motion allows: periods of which it saw two at least, and waves of which `resolved` turns at most go
     by from one point of it to the next; with a lever of the hands' (m; none: 0)."""
     found, turns = [], cart.constraints.n_free > 1
@@ -182,17 +184,17 @@ def coarse_columns(law: Law, balances: Balances, cart: CartModel) -> Array:
     return law.of_amplitudes(of_one)
 
 
-Found = tuple[float, Scan, float, int]
+ScoredPeriod = tuple[float, Scan, float, int]
 """A gain, the scan that has it, its period and number of harmonics."""
 
 
 def scanned(
     model: Model, pulls: Sequence[Array], gain: Callable[[Array, Array], Array], hands: float = 0.0
-) -> tuple[list[list[Found]], int]:
+) -> tuple[list[list[ScoredPeriod]], int]:
     """In each scan the best period for each number of harmonics, and the number of periods scanned. They are among
     those of which the powers of all harmonics gain most for the information that a model's rows have."""
-    logs, cart, found, count = model.logs, model.cart, list[list[Found]](), 0
-    courses = [replace(Course.along(balances.motion), time=balances.motion.time) for balances in logs]
+    logs, cart, found, count = model.logs, model.cart, list[list[ScoredPeriod]](), 0
+    courses = [replace(Covariates.along(balances.motion), time=balances.motion.time) for balances in logs]
     resolved = min(
         1 / GRID_STRIDE - balances.motion.step / balances.row_step for balances in logs
     )  # no wave passes for slow
@@ -211,7 +213,7 @@ def scanned(
         information = np.interp(frequencies, known, told.sum(axis=(1, 2, 3)))
         own = power / (information + 2 / std**2) - np.log1p(std**2 * information / 2)
         count += len(scan.frequencies) * sum(LAW_HARMONICS)
-        best = dict[int, Found]()
+        best = dict[int, ScoredPeriod]()
         for _, frequency, harmonics in sorted(scan.combs(own, frequencies), reverse=True)[:MAX_SCORED_PERIODS]:
             gained = float(gain(columns(scan, np.array([frequency]), harmonics), np.full(2 * harmonics, std))[0])
             if harmonics not in best or gained > best[harmonics][0]:

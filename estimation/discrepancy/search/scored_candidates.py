@@ -24,7 +24,7 @@ class Refit:
 
 
 @dataclass(frozen=True, eq=False)
-class Attempt:
+class ScoredCandidate:
     """A candidate with its gain, and the model with it where it was refitted, with the gain's standard error, the gain
     beside what the forms of others may leave (None: there are no others), of what is met once, beside noise that
     drifts as what is left does, and of what repeats, beside noise that wanders about its period."""
@@ -72,10 +72,10 @@ class Attempt:
 
 
 @dataclass(frozen=True, eq=False)
-class Step:
+class SearchStep:
     """What was tried, best first; the one that was added (None: none was worth it); and what of the score the form of
     others may have left."""
 
-    attempts: tuple[Attempt, ...]
-    added: Attempt | None
+    attempts: tuple[ScoredCandidate, ...]
+    added: ScoredCandidate | None
     form_error: float = 0.0

@@ -43,7 +43,7 @@ MAX_WHITENED_COLUMN = 1e12
 """Largest whitened column: beyond, an effect's memory ran away in the integrator's steps, at settings that no cart
 has."""
 
-Found = tuple[float, Effect]
+ScoredVariant = tuple[float, Effect]
 
 
 # Many methods: one for each kind of candidate (constant, timed, placed, late, laws); all ask the same products.
@@ -92,7 +92,7 @@ class Screen:
 
     def _delayed(self, effect: TimeDelay) -> float:
         """Log of the Bayes factor, about, of a log whose wrenches were felt earlier."""
-        late = self.model.late(effect.delay)
+        late = self.model.with_wrench_delay(effect.delay)
         evidence = [
             log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0 * self._scale)
             for m in (late, self.model)
@@ -105,7 +105,7 @@ class Screen:
         """The best few variants, and of how many; of one that is there all the time, none has to be chosen."""
         if len(family.variants) == 1 and family.variants[0].gate is Gate.ALWAYS:
             return list(family.variants), 1
-        found: list[Found] = []
+        found: list[ScoredVariant] = []
         for effect in family.variants:
             if effect.gate is Gate.INSIDE:
                 found += self._placed(effect)
@@ -117,7 +117,7 @@ class Screen:
         found.sort(key=lambda one: -one[0])
         return [effect for _, effect in found[:MAX_KEPT_VARIANTS]], len(found)
 
-    def _timed(self, effect: Effect) -> list[Found]:
+    def _timed(self, effect: Effect) -> list[ScoredVariant]:
         """Variants that act from or between blocks of time, with their gains."""
         columns, std = self.model.columns_of(effect)
         found, at = [], 0
@@ -154,7 +154,7 @@ class Screen:
         parts = across @ grouped, across @ base, (across @ left)[..., 0]
         return [np.concatenate([np.zeros((1, *part.shape[1:])), np.cumsum(part, axis=0)]) for part in parts]
 
-    def _placed(self, effect: Effect) -> list[Found]:
+    def _placed(self, effect: Effect) -> list[ScoredVariant]:
         """Variants that act in boxes of cells, with their gains."""
         x, y = self._cells
         cells = list(product(range(len(x) - 1), range(len(y) - 1)))

@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
 from ...weak_form.wheel_tracks import leaves
-from .backward_elimination import dropped, searched_again
+from .backward_elimination import pruned, retuned
 from .continuum import beside_neighbours
 from .form_error import FormError
 from .gains import (
@@ -24,20 +24,20 @@ from .gains import (
     MIN_GAIN_NATS,
     absent,
     added,
-    added_worth,
-    attempt,
-    colour_of,
+    added_score_gain,
     every_family,
     margin,
+    score_gain,
+    scored_candidate,
     standard_error,
-    worth,
+    variance_inflation_of,
 )
 from .laws import Law
 from .model import FORCE_LEVER_STD, Model
 from .periods import is_like_a_scans
 from .plausibility import ESSENTIAL_PARAMETERS, ESSENTIAL_SIGMAS, MOMENT_BY_FORCE, PRIOR_LOG_ODDS, is_plausible
 from .refine import refined
-from .scored_candidates import Attempt, Refit, Step
+from .scored_candidates import Refit, ScoredCandidate, SearchStep
 from .screening import MIN_CHANGE_MARGIN, Screen
 
 MIN_GAIN_FRACTION = 0.05
@@ -50,103 +50,103 @@ MIN_RESIZING_NATS = 2.0
 MAX_SEARCH_STEPS, MAX_SWAPPED_EFFECTS = 6, 2
 
 
-Closes = Callable[[Model, Model], bool]
+ClosesGap = Callable[[Model, Model], bool]
 """Whether a model closes most of what another leaves on stretches that it did not see."""
 
 
 def search(
-    model: Model, tell: Callable[[str], None] = lambda _: None, closes: Closes = lambda less, more: False
-) -> tuple[Model, list[Step]]:
+    model: Model, tell: Callable[[str], None] = lambda _: None, closes: ClosesGap = lambda less, more: False
+) -> tuple[Model, list[SearchStep]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
-    model, steps = simplified(*named_instead(*_grown(nominal, tell, closes), tell, closes))
+    model, steps = simplified(*named_instead(*_forward_selection(nominal, tell, closes), tell, closes))
     return replace(resized(model), compares=False).settled(), steps
 
 
 def named_instead(
-    model: Model, steps: list[Step], tell: Callable[[str], None], closes: Closes
-) -> tuple[Model, list[Step]]:
+    model: Model, steps: list[SearchStep], tell: Callable[[str], None], closes: ClosesGap
+) -> tuple[Model, list[SearchStep]]:
     """The model with names in place of laws, where they explain about as much."""
     if not model.laws:
         return model, steps
     bare = replace(model, laws=()).refitted(model.cart)
-    named, others = _grown(bare, tell, closes, len(model.laws), _first(steps), has_laws=False)
+    named, others = _forward_selection(bare, tell, closes, len(model.laws), _first(steps), has_laws=False)
     alike = replace(model, laws=()).refitted(named.cart)
-    if worth(alike.score, model.score, None) > margin(alike, model):
+    if score_gain(alike.score, model.score, None) > margin(alike, model):
         return model, steps
     return named, [*(step for step in steps if not _adds_law(step)), *others]
 
 
-def _grown(
+def _forward_selection(
     model: Model,
     tell: Callable[[str], None],
-    closes: Closes,
+    closes: ClosesGap,
     most: int = MAX_SEARCH_STEPS,
     first: float = 0.0,
     has_laws: bool = True,
-) -> tuple[Model, list[Step]]:
+) -> tuple[Model, list[SearchStep]]:
     """The model with candidates added, so many at most, as long as they are worth it beside what gained most so far."""
-    steps = list[Step]()
+    steps = list[SearchStep]()
     for number in range(most):
         tell(f"looking for what is missing, step {number + 1}")
-        attempts = tried(model, has_laws)
+        attempts = ranked_candidates(model, has_laws)
         form_error = MIN_GAIN_FRACTION * first
         best = chosen(attempts, form_error, MIN_GAIN_NATS) or _closing(attempts, model, closes)
-        steps.append(Step(tuple(attempts), best, form_error))
+        steps.append(SearchStep(tuple(attempts), best, form_error))
         if best is None or best.model is None:
             break
         first = max(first, _first(steps))
-        more = searched_again(replace(best.model, compares=False).rewhitened())
-        more = dropped(replace(more, compares=True).rewhitened(), MIN_GAIN_NATS).settled()
+        more = retuned(replace(best.model, compares=False).rewhitened())
+        more = pruned(replace(more, compares=True).rewhitened(), MIN_GAIN_NATS).settled()
         if keys(more) == keys(model):
             break
         model = more
     return model, steps
 
 
-def _first(steps: list[Step]) -> float:
+def _first(steps: list[SearchStep]) -> float:
     """What an effect or a law gained at most."""
     found = (step.added for step in steps if step.added is not None)
     return max((one.gain for one in found if not isinstance(one.candidate, Refit)), default=0.0)
 
 
-def _adds_law(step: Step) -> bool:
+def _adds_law(step: SearchStep) -> bool:
     return step.added is not None and isinstance(step.added.candidate, Law)
 
 
-def simplified(model: Model, steps: list[Step]) -> tuple[Model, list[Step]]:
+def simplified(model: Model, steps: list[SearchStep]) -> tuple[Model, list[SearchStep]]:
     """The model with simpler effects in place of added ones, where they explain about as much beside all else. So, too,
     for those that are no longer what their name says. Alone, what takes more numbers may have stood in for two."""
     if len(added(model)) + len(model.laws) < 2:
         return model, steps
     for effect in added(model):
         less = model.refitted(model.cart.without_effect(effect.key))
-        own = Attempt(effect, added_worth(less, model, effect), 1, model)
+        own = ScoredCandidate(effect, added_score_gain(less, model, effect), 1, model)
         others = (e for family in every_family(less) for e in family.variants)
         simpler = [e for e in others if e.gate is Gate.ALWAYS and len(e.parameters) < own.numbers]
-        near = sorted((attempt(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MAX_SWAPPED_EFFECTS]
+        near = sorted((scored_candidate(less, e, 1) for e in simpler), key=lambda one: -one.gain)[:MAX_SWAPPED_EFFECTS]
         found = [_beside(less, one.candidate) for one in near if isinstance(one.candidate, Effect)]
-        best = max((one for one in found if may_be(one)), key=lambda one: one.gain, default=own)
+        best = max((one for one in found if is_eligible(one)), key=lambda one: one.gain, default=own)
         if best is own or best.model is None or best.gain < MIN_GAIN_NATS:
             continue
-        if not may_be(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
+        if not is_eligible(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
             model, steps = best.model, [_with(step, best, own) for step in steps]
     return model, steps
 
 
-def _beside(model: Model, effect: Effect) -> Attempt:
+def _beside(model: Model, effect: Effect) -> ScoredCandidate:
     """An effect that acts all the time, fitted with all else."""
     new = model.refitted(model.cart.with_effect(effect))
     found = next(one for one in new.cart.effects if one.key == effect.key)
-    return Attempt(found, worth(model.score, new.score, None), 1, new)
+    return ScoredCandidate(found, score_gain(model.score, new.score, None), 1, new)
 
 
-def _with(step: Step, best: Attempt, own: Attempt) -> Step:
+def _with(step: SearchStep, best: ScoredCandidate, own: ScoredCandidate) -> SearchStep:
     """The step that added what now is the rival of another."""
     if step.added is None or step.added.key != own.key:
         return step
     rest = (one for one in step.attempts if one.key not in (best.key, own.key))
-    return Step((best, own, *rest), best, step.form_error)
+    return SearchStep((best, own, *rest), best, step.form_error)
 
 
 def keys(model: Model) -> set[str]:
@@ -159,41 +159,41 @@ def resized(model: Model) -> Model:
     for effect in model.guess.effects:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
-            if worth(model.score, new.score, None) > MIN_RESIZING_NATS:
+            if score_gain(model.score, new.score, None) > MIN_RESIZING_NATS:
                 model = new
     return model
 
 
-def tried(model: Model, has_laws: bool = True) -> list[Attempt]:
+def ranked_candidates(model: Model, has_laws: bool = True) -> list[ScoredCandidate]:
     """All candidates, with laws or without, the most worth first; the best few refitted."""
     screen, found = Screen(model), []
     for family in every_family(model):
         best, count = screen.best(family)
-        own = [one for effect in best if np.isfinite((one := attempt(model, effect, count)).gain)]
+        own = [one for effect in best if np.isfinite((one := scored_candidate(model, effect, count)).gain)]
         if own:
             found.append(max(own, key=lambda one: one.gain))
     for effect in model.guess.effects:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
             new = replace(model, wide=model.wide | {effect.key})
             new = new.refitted(model.cart)
-            gain, error = worth(model.score, new.score, None), standard_error(model.score, new.score)
-            found.append(Attempt(Refit(effect), gain, 1, new, error))
+            gain, error = score_gain(model.score, new.score, None), standard_error(model.score, new.score)
+            found.append(ScoredCandidate(Refit(effect), gain, 1, new, error))
     for law, count in (*model.other_laws, *screen.laws()) if has_laws else ():
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
-        found.append(Attempt(law, worth(model.score, score, None) - np.log(count), count))
+        found.append(ScoredCandidate(law, score_gain(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
     enough = max(REFINED_GAIN_FRACTION * found[0].gain, MIN_GAIN_NATS / 2)
     names = [one for one in found if not isinstance(one.candidate, Law)][:MAX_REFITTED_EFFECTS]
     laws = _simplest([one for one in found if isinstance(one.candidate, Law)])[:MAX_REFITTED_LAWS]
     forms = FormError(model) if added(model) or model.laws else None
-    near = [extended(model, screen, one, forms) for one in (*names, *laws) if one.gain > enough]
+    near = [refitted_candidate(model, screen, one, forms) for one in (*names, *laws) if one.gain > enough]
     rest = [one for one in found if one.key not in {n.key for n in near}]
     return sorted(near, key=lambda one: -one.gain) + rest
 
 
-def _simplest(laws: list[Attempt]) -> list[Attempt]:
+def _simplest(laws: list[ScoredCandidate]) -> list[ScoredCandidate]:
     """The simplest law of each variable and way of acting that explains about as much as the best."""
-    groups = dict[tuple[Any, ...], list[Attempt]]()
+    groups = dict[tuple[Any, ...], list[ScoredCandidate]]()
     for one in laws:
         assert isinstance(one.candidate, Law)
         groups.setdefault(one.candidate.kind, []).append(one)
@@ -201,29 +201,29 @@ def _simplest(laws: list[Attempt]) -> list[Attempt]:
     return sorted((min(group, key=lambda one: one.numbers) for group in alike), key=lambda one: -one.gain)
 
 
-def chosen(attempts: list[Attempt], form_error: float, least: float) -> Attempt | None:
+def chosen(attempts: list[ScoredCandidate], form_error: float, least: float) -> ScoredCandidate | None:
     """The simplest attempt that is not surely worth less than the best that somebody would call so (Breiman's rule of
     one standard error). Only those count that are worth it, and more than what the form of others may have left."""
-    known = [one for one in attempts if one.model and may_be(one)]
-    known = [one for one in known if one.own_gain >= least_gain(one, form_error, least) and one.repeats(least)]
+    known = [one for one in attempts if one.model and is_eligible(one)]
+    known = [one for one in known if one.own_gain >= min_gain(one, form_error, least) and one.repeats(least)]
     best = max(known, key=lambda one: one.gain, default=None)
     alike = [one for one in known if best is not None and best.gain - one.gain <= _margin(one, best)]
     return min(alike, key=lambda one: (one.numbers, -one.gain), default=None)
 
 
-def _closing(attempts: list[Attempt], model: Model, closes: Closes) -> Attempt | None:
+def _closing(attempts: list[ScoredCandidate], model: Model, closes: ClosesGap) -> ScoredCandidate | None:
     """What acts all the time and gains less, where it closes most of the gap on stretches that no fit saw: what drifts
     is cheap beside noise with a long memory, and adds up in rollouts."""
     best = chosen([one for one in attempts if one.error], 0.0, CONFUSABLE_NATS)
     return best if best is not None and best.model is not None and closes(model, best.model) else None
 
 
-def least_gain(one: Attempt, form_error: float, least: float) -> float:
+def min_gain(one: ScoredCandidate, form_error: float, least: float) -> float:
     """Least gain of an attempt: more than the form of others may have left, unless it is usual."""
     return least if one.is_usual else max(least, form_error)
 
 
-def _margin(one: Attempt, best: Attempt) -> float:
+def _margin(one: ScoredCandidate, best: ScoredCandidate) -> float:
     """How much less than the best a candidate may explain. For a name beside a law, whose form fits more, it is at
     least what forms may leave."""
     assert one.model is not None
@@ -233,17 +233,17 @@ def _margin(one: Attempt, best: Attempt) -> float:
     return max(by_chance, MIN_GAIN_FRACTION * best.gain if is_form else 0.0)
 
 
-def may_be(one: Attempt) -> bool:
+def is_eligible(one: ScoredCandidate) -> bool:
     """Whether somebody who knows carts would call a fitted attempt so, and stretches are sure of its gain."""
     if one.gain < GAIN_SIGMAS * one.error:
         return False
     assert one.model is not None
     if isinstance(one.candidate, Refit | Law):
         return True
-    return is_plausible(one.candidate, one.model.cart.wheel_set) and not unseen(one.candidate, one.model)
+    return is_plausible(one.candidate, one.model.cart.wheel_set) and not missing_evidence(one.candidate, one.model)
 
 
-def unseen(effect: Effect, model: Model) -> str:
+def missing_evidence(effect: Effect, model: Model) -> str:
     """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
     if (
         effect.gate is Gate.INSIDE
@@ -267,8 +267,10 @@ def _time_outside(region: Array, cart: CartModel, balances: Balances) -> float:
     return float((leaves(motion.pose, region, cart.wheel_set) & moves).sum() * motion.step)
 
 
-def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None = None) -> Attempt:
-    """Attempt with its settings where they are best, and fitted with all else; beside the forms of a model's effects,
+def refitted_candidate(
+    model: Model, screen: Screen, one: ScoredCandidate, forms: FormError | None = None
+) -> ScoredCandidate:
+    """Candidate with its settings where they are best, and fitted with all else; beside the forms of a model's effects,
     too."""
     if isinstance(one.candidate, Refit):
         return one
@@ -278,19 +280,19 @@ def extended(model: Model, screen: Screen, one: Attempt, forms: FormError | None
         new = replace(model, laws=(*model.laws, found)).refitted(model.cart)
     else:
         best = refined(absent(one.candidate), screen.gain)
-        effect = attempt(model, best, one.tried).candidate
+        effect = scored_candidate(model, best, one.tried).candidate
         assert not isinstance(effect, Law | Refit)
         new = model.refitted(model.cart.with_effect(effect))
         found = next(e for e in new.cart.effects if e.key == effect.key)
-    colour = colour_of(new, found)
+    colour = variance_inflation_of(new, found)
     before = PRIOR_LOG_ODDS.get(found.name, 0.0) if isinstance(found, Effect) else 0.0
     before -= float(np.log(one.tried))
-    gain = before + worth(model.score, new.score, colour)
+    gain = before + score_gain(model.score, new.score, colour)
     error = standard_error(model.score, new.score) if colour is None else 0.0
-    beside = None if forms is None else before + worth(*forms.scores(new, found), colour)
+    beside = None if forms is None else before + score_gain(*forms.scores(new, found), colour)
     is_once = isinstance(found, Effect) and new.meets_once(found)
-    drifting = before + worth(model.score, new.score, new.colour) if is_once else None
+    drifting = before + score_gain(model.score, new.score, new.variance_inflation) if is_once else None
     wandering = None
     if isinstance(found, Law) and is_like_a_scans(found.effects[0]):
         wandering = before + beside_neighbours(new, found)
-    return Attempt(found, gain, one.tried, new, error, beside, drifting, wandering)
+    return ScoredCandidate(found, gain, one.tried, new, error, beside, drifting, wandering)

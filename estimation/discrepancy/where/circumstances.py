@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
 from ...weak_form.balances import Balances
-from ..search.covariates import Course, rows_at
+from ..search.covariates import Covariates, rows_at
 
 WRENCH_AVERAGING_INTERVAL = 0.25
 """Time (s) on each side over which wrenches are averaged."""
@@ -27,7 +27,7 @@ class Circumstances:
     time: Array
     log: np.ndarray
     names: tuple[str, ...]
-    course: Course
+    covariates: Covariates
     wrenches: Mapping[str, Array]
     contacts: Mapping[str, Array]
 
@@ -44,7 +44,7 @@ class Circumstances:
             for arm, wrench in arm_wrenches(balances, cart, WRENCH_AVERAGING_INTERVAL).items():
                 wrenches[arm][own] = wrench[rows]
                 contacts[arm][own] = _held(balances, arm, time[own])
-        course = Course.of(time, log, [balances.motion for balances in logs])
+        course = Covariates.of(time, log, [balances.motion for balances in logs])
         begins = [True, *(not _goes_on(*both) for both in pairwise(logs))]
         names = tuple(balances.name for balances in compress(logs, begins))
         return cls(time, np.cumsum(begins)[log] - 1, names, course, wrenches, contacts)

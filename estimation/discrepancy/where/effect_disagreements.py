@@ -19,7 +19,7 @@ from .where import Disagreement, runs
 GATE_WORDS = {Gate.WHILE: "while", Gate.FROM: "from when", Gate.INSIDE: "where"}
 
 
-def acting(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement]:
+def effect_disagreements(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement]:
     """Disagreement of each effect of a model that does not act everywhere, in the coordinate in which it shows most."""
     for effect in added(model):
         if effect.gate.n_parameters and not isinstance(effect, ConstraintEffect):

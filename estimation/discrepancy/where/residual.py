@@ -92,17 +92,17 @@ def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
 
 def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
     """Residuals of single rows, as fine as any, whatever the model was fitted to."""
-    logs = finely(model.logs)
+    logs = with_fine_rows(model.logs)
     return _residuals(model, noise, logs, max(balances.row_step for balances in logs))
 
 
-def finely(logs: Sequence[Balances]) -> tuple[Balances, ...]:
+def with_fine_rows(logs: Sequence[Balances]) -> tuple[Balances, ...]:
     """Balances with rows as fine as any."""
     return tuple(balances.every(FINE_ROW_STEP) for balances in logs)
 
 
 def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration: float) -> tuple[Residual, ...]:
-    left = np.split(model.left_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    left = np.split(model.residual_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
     parts = [_means(*each, duration) for each in zip(logs, left, noise.noise.whitenings(logs), strict=True)]
     log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
     start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))

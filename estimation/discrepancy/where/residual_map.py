@@ -82,7 +82,7 @@ def means(residual: Residual, place: Array, edges: Array) -> tuple[Array, Array,
     return at, _sums(place, edges, weight * residual.value) / whole, whole**-0.5
 
 
-def most_followed(residual: Residual, but: str = "nothing") -> tuple[float, Profile | None]:
+def strongest_dependence(residual: Residual, but: str = "nothing") -> tuple[float, Profile | None]:
     """Share of the disagreement that goes with the variable that a residual follows most, and the profile. Variables
     whose name begins with `but` are left out."""
     whole = max(float(residual.beyond.sum()), 1e-12)
@@ -95,7 +95,7 @@ def most_followed(residual: Residual, but: str = "nothing") -> tuple[float, Prof
 def variables(found: Circumstances) -> dict[tuple[str, str], Array]:
     """Values (b,) of variables by name and unit; what is not known is not finite. Clocks of several logs have nothing
     in common."""
-    course, several = found.course, len(found.names) > 1
+    course, several = found.covariates, len(found.names) > 1
     known = {
         ("time since the log's begin" if several else "time", "s"): course.time if several else found.time,
         ("way travelled", "m"): course.travelled,

@@ -11,11 +11,11 @@ from scipy.special import rel_entr
 
 from cartgrasp.frames import Array
 
-from ..search.covariates import MIN_DIRECTED_SPEED, Course
+from ..search.covariates import MIN_DIRECTED_SPEED, Covariates
 from ..search.laws import Law
 from .circumstances import Circumstances
 from .residual import RESIDUAL_UNITS, Residual
-from .residual_map import means, most_followed
+from .residual_map import means, strongest_dependence
 
 MIN_CONDITION_FRACTION, MIN_CONDITION_LIFT = 0.25, 1.4
 """Least share of the disagreement in a condition worth telling, and the least multiple of its share of the time."""
@@ -82,7 +82,7 @@ def where(residuals: Sequence[Residual], first: Sequence[Disagreement] = ()) -> 
 def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
     """Conditions that gather the disagreement, with how much they tell. Left out is what says the same as one that
     tells more, or as all motion does."""
-    course, told, others = residual.circumstances.course, [], list[np.ndarray]()
+    course, told, others = residual.circumstances.covariates, [], list[np.ndarray]()
     moves = (np.abs(course.speed) > MIN_DIRECTED_SPEED) | (np.abs(course.yaw_rate) > TURNING_RATE)
     total = max(float(residual.beyond[moves].sum()), 1e-12)
     for words, condition in _conditions(residual):
@@ -132,8 +132,8 @@ def runs(start: np.ndarray, duration: float) -> tuple[tuple[float, float], ...]:
 
 def _along(residual: Residual) -> Iterator[Disagreement]:
     """What the residual goes along with the most, where that is most of it; time only where nothing else comes near."""
-    share, best = most_followed(residual)
-    other, steadier = most_followed(residual, but="time")
+    share, best = strongest_dependence(residual)
+    other, steadier = strongest_dependence(residual, but="time")
     if other >= MAX_OVERLAP_FRACTION * share:
         share, best = other, steadier
     if best is not None and share >= MIN_DEPENDENCE_FRACTION:
@@ -151,13 +151,13 @@ def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
 
 def _conditions(residual: Residual) -> Iterator[Condition]:
     found = residual.circumstances
-    yield from _in_motion(found.course)
+    yield from _in_motion(found.covariates)
     yield from _in_time(residual)
     if found.wrenches:
         yield from _in_force(found)
 
 
-def _in_motion(course: Course) -> Iterator[Condition]:
+def _in_motion(course: Covariates) -> Iterator[Condition]:
     """Conditions of how the cart moves, along which quarter of the circle, and in which square metre."""
     speed, turning = course.speed, course.yaw_rate
     moving, fast = np.abs(speed) > MIN_DIRECTED_SPEED, FAST_SPEED_FRACTION * float(np.abs(speed).max())
@@ -186,7 +186,7 @@ def _in_time(residual: Residual) -> Iterator[Condition]:
         own, of_log = found.log == k, f" of {name}" if len(found.names) > 1 else ""
         if of_log:
             yield f"in {name}", own
-        begins, ways, changes = start[own], found.course.travelled[own], residual.changes[k]
+        begins, ways, changes = start[own], found.covariates.travelled[own], residual.changes[k]
         worst = begins[int(np.argmax(residual.beyond[own]))]
         yield (
             f"at t = {worst:.1f} s{of_log} or within {WORST_HALF_INTERVAL} s",

@@ -11,7 +11,7 @@ from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.certainty import Certainty
-from estimation.discrepancy.search.backward_elimination import searched_again
+from estimation.discrepancy.search.backward_elimination import retuned
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 
@@ -42,7 +42,7 @@ def certain(force, seed):
     """Of a model that has a push already, at times that are a little off."""
     model = Model.started([Balances.of(pushed(force, seed), CART)], CART)
     near = ExternalPush(4.0, 1.0, force=force, moment=0.0)
-    return Certainty(searched_again(model.refitted(model.cart.with_effect(near)).rewhitened()).settled())
+    return Certainty(retuned(model.refitted(model.cart.with_effect(near)).rewhitened()).settled())
 
 
 @pytest.mark.long

@@ -11,7 +11,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.logs import ArmLog
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, identify
-from estimation.log_noise.sentinel_values import marked, without_marks
+from estimation.log_noise.sentinel_values import sentinels, without_sentinels
 from estimation.sensor_check import check_sensors, look_at
 from estimation.whole_log.replay import replay
 
@@ -26,7 +26,7 @@ def test_marks_are_found_whatever_their_number_and_unit(mark, rows, sign, power,
     unit = 10.0**power
     column = unit * (offset + np.random.default_rng(seed).uniform(-1.0, 1.0, 4000))
     column[list(rows)] = sign * mark * unit
-    assert set(np.flatnonzero(marked(column)).tolist()) == rows
+    assert set(np.flatnonzero(sentinels(column)).tolist()) == rows
 
 
 @given(st.floats(-1e4, 1e4), ROWS, st.integers(0, 2**32 - 1))
@@ -35,7 +35,7 @@ def test_what_a_hand_or_a_tracker_does_is_no_mark(size, rows, seed):
     random = np.random.default_rng(seed)
     column = random.standard_normal(4000)
     column[list(rows)] += size
-    assert not marked(column).any()
+    assert not sentinels(column).any()
 
 
 @given(st.floats(-2e4, 2e4), st.floats(0.1, 1.0))
@@ -43,7 +43,7 @@ def test_a_range_that_holds_a_mark_is_no_mark(middle, share):
     """-999 among other numbers of its size is a number."""
     column = np.linspace(middle - share * abs(middle) - 1.0, middle + share * abs(middle) + 1.0, 300)
     column[150] = np.clip(-999.0, column[0], column[-1])
-    assert not marked(column).any()
+    assert not sentinels(column).any()
 
 
 def marked_log(share=0.05, mark=-9999.0, seed=0):
@@ -65,7 +65,7 @@ def test_marks_are_told_by_column_and_count(share):
 
 def test_fits_and_filters_take_them_for_missing():
     marked_one = marked_log()
-    blank = without_marks(marked_one)
+    blank = without_sentinels(marked_one)
     assert np.isnan(blank.pose).any(axis=1).sum() == (marked_one.pose == -9999.0).all(axis=1).sum()
     mass = [identify([log], CART).parameters["mass"].value for log in (marked_one, blank)]
     assert mass[0] == mass[1] == pytest.approx(PLANT[0], rel=0.05)

@@ -11,7 +11,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.log_noise.log_noise import noise_floor, noise_of_log
-from estimation.log_noise.velocity_autocorrelation import loudness
+from estimation.log_noise.velocity_autocorrelation import noise_scale
 from estimation.whole_log.identification import identify
 
 from ..runs import STEP, simulate_two_hands
@@ -47,7 +47,7 @@ def test_long_means_scatter_as_those_of_white_noise_so_loud(time, white):
     noise = remembering(2_000_000, random, time)[:, 0] + white * random.standard_normal(2_000_000)
     means = noise.reshape(-1, 400).mean(axis=1).std() * 400**0.5
     shown = np.diff(noise, 3).std() / 20**0.5
-    assert loudness(STEP * np.arange(100_000), noise[:100_000]) == pytest.approx(means / shown, rel=0.15)
+    assert noise_scale(STEP * np.arange(100_000), noise[:100_000]) == pytest.approx(means / shown, rel=0.15)
 
 
 @pytest.mark.long
@@ -81,7 +81,7 @@ def test_a_cart_on_casters_is_heard_by_its_poses_and_a_short_log_is_taken_as_it_
     log, on_casters = recorded(0, 0.06), replace(GUESS, constraints=RollingConstraints(axle_x=None))
     assert heard(log, on_casters) == pytest.approx(heard(log), rel=0.4)
     assert heard(recorded(0, None), on_casters) == pytest.approx(1.0)
-    assert loudness(log.time[:150], log.velocity[:150, 1]) == 1.0
+    assert noise_scale(log.time[:150], log.velocity[:150, 1]) == 1.0
 
 
 @pytest.mark.some(1)

@@ -7,8 +7,8 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
-from estimation.sensor_check.check import put_right
-from estimation.sensor_check.clipped_wrenches import CLIP_MARGIN_INTERVAL, clipped_arm, ends, without_clipped
+from estimation.sensor_check.check import corrected_log
+from estimation.sensor_check.clipped_wrenches import CLIP_MARGIN_INTERVAL, clipped_arm, range_limits, without_clipped
 from estimation.whole_log.identification import identify
 
 from .logs import CART, cart_of, two_hands
@@ -19,7 +19,7 @@ from .test_frozen_wrenches import ROWS, TIME, wrench
 def test_ends_of_range_are_found(seed, low, high, which):
     rows = wrench(seed)
     rows[:, which] = np.clip(rows[:, which], low, high)
-    found = {(one.component, one.value) for one in ends(rows)}
+    found = {(one.component, one.value) for one in range_limits(rows)}
     assert found == {(which, low), (which, high)}
     arm = ArmLog(np.zeros((ROWS, 3)), rows)
     left_out = np.isnan(without_clipped(arm, TIME).wrench).any(axis=1)
@@ -34,7 +34,7 @@ def test_what_only_seems_so_is_kept(seed, step):
     """A hand that only pushes, coarse steps, and a robot that gives what it may, without noise."""
     rows, given_ = wrench(seed), np.clip(wrench(seed, 0.0), -3.0, 3.0)
     for one in (rows, np.maximum(rows, 0.0), np.round(rows / step) * step, given_, np.zeros((ROWS, 6)), rows[:3]):
-        assert list(ends(one)) == []
+        assert list(range_limits(one)) == []
 
 
 def test_a_clipped_sensor_is_told_and_the_mass_is_right():
@@ -46,7 +46,7 @@ def test_a_clipped_sensor_is_told_and_the_mass_is_right():
         sound,
         arms={k: ArmLog(a.contact, np.clip(a.wrench, -limits[k], limits[k])) for k, a in sound.arms.items()},
     )
-    told = put_right(log, CART).suspicions
+    told = corrected_log(log, CART).suspicions
     assert {(one.kind, one.where) for one in told} == {("scale", "left"), ("scale", "right")}
     mass = identify([log], cart_of(0.7)).parameters["mass"]
     assert abs(mass.value - 24.0) < 1.0

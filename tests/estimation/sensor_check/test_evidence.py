@@ -6,7 +6,7 @@ from hypothesis import given
 from hypothesis import strategies as st
 from scipy.stats import norm
 
-from estimation.sensor_check.evidence import gain_evidence, independent_rows, probabilities, wider
+from estimation.sensor_check.evidence import gain_evidence, gross_error_probability, independent_rows, probabilities
 from estimation.sensor_check.windows import Windows
 
 SEEDS = st.integers(0, 2**32 - 1)
@@ -50,7 +50,7 @@ def test_what_is_wider_is_bayes_rule(value, std):
     sound, wrong, odds = 0.002, 0.05, 0.2
     wide = odds * norm.pdf(value, 0, np.hypot(std, wrong))
     narrow = norm.pdf(value, 0, np.hypot(std, sound))
-    assert wider(value, std, sound, wrong, odds) == pytest.approx(wide / (wide + narrow), abs=1e-9)
+    assert gross_error_probability(value, std, sound, wrong, odds) == pytest.approx(wide / (wide + narrow), abs=1e-9)
 
 
 @given(SEEDS, st.floats(0.1, 3.0), st.floats(-0.1, 0.1))

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
-from estimation.sensor_check.check import put_right
+from estimation.sensor_check.check import corrected_log
 from estimation.sensor_check.frozen_wrenches import frozen_arm, frozen_wrench, without_frozen
 from estimation.whole_log.identification import identify
 
@@ -62,7 +62,7 @@ def test_a_frozen_sensor_is_told_and_teaches_nothing(arms):
         for name, arm in sound.arms.items()
     }
     log = replace(sound, arms=changed)
-    told = put_right(log, CART).suspicions
+    told = corrected_log(log, CART).suspicions
     assert [(one.kind, one.where) for one in told] == [("repeated", name) for name in arms]
     mass = identify([log], cart_of(0.7)).parameters["mass"]
     assert abs(mass.value - 24.0) < 4.0 * mass.std < 4.0

@@ -12,7 +12,7 @@ from cartgrasp.frames import wrap_angle
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.sensor_check import check_sensors
-from estimation.sensor_check.heading_drift import drifting, heading_drift, without_drift
+from estimation.sensor_check.heading_drift import drift_suspicions, heading_drift, without_drift
 from estimation.whole_log.identification import identify
 
 from .logs import CART, RAIL, cart_of, found, sealed, two_hands
@@ -33,7 +33,7 @@ def test_a_drift_is_found_and_put_back(seed, rate, side):
     assert told.std < 0.1 * rate
     back = without_drift(moved, told)
     assert np.abs(wrap_angle(back.pose[:, 2] - log.pose[:, 2])).max() < 0.04 * rate * log.duration + 2e-3
-    (said,) = drifting(told)
+    (said,) = drift_suspicions(told)
     assert (said.kind, said.where, said.put_right) == ("offset", "heading", True)
 
 
@@ -43,7 +43,7 @@ def test_what_wheels_do_is_no_drift(case):
         log, cart = sealed(case, seed)
         assert heading_drift(log, cart) is None
         assert without_drift(log, None) is log
-        assert drifting(None) == ()
+        assert drift_suspicions(None) == ()
 
 
 def test_where_nothing_ties_heading_to_travel_there_is_none():

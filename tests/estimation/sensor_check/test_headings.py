@@ -12,7 +12,7 @@ from cartgrasp.frames import wrap_angle
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.sensor_check import check_sensors
-from estimation.sensor_check.heading import of_headings
+from estimation.sensor_check.heading import heading_suspicions
 
 from .logs import CART, RAIL, found, on_rail, sealed, two_hands
 
@@ -30,7 +30,7 @@ FAULTS = {
 
 
 def told(log, change, cart=CART):
-    return of_headings(replace(log, pose=change(log.pose)), cart)
+    return heading_suspicions(replace(log, pose=change(log.pose)), cart)
 
 
 @pytest.mark.parametrize("name", FAULTS)
@@ -59,14 +59,14 @@ def test_wheels_a_little_askew_are_no_fault(seed, angle):
 def test_where_nothing_ties_heading_to_travel_nothing_is_told():
     free = CartModel(Inertia(24.0, (0.3, 0.05), 2.0), RollingConstraints(axle_x=None))
     assert told(two_hands(0), FAULTS["another frame"][1], free) == ()
-    assert of_headings(on_rail(), RAIL) == ()
+    assert heading_suspicions(on_rail(), RAIL) == ()
     assert told(two_hands(0), lambda p: 0 * p) == ()
 
 
 @pytest.mark.parametrize("is_rough", [False, True])
 @pytest.mark.parametrize("case", ["nothing", "lateral_slip", "wheel_misalignment"])
 def test_logs_with_hidden_effects_raise_no_alarm(case, is_rough):
-    assert of_headings(*sealed(case, 1, is_rough)) == ()
+    assert heading_suspicions(*sealed(case, 1, is_rough)) == ()
 
 
 @pytest.mark.parametrize("seed", range(6))

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.length_unit import LENGTH_UNITS, of_lengths
+from estimation.sensor_check.length_unit import LENGTH_UNITS, length_unit_suspicions
 
 from .logs import CART, on_rail, two_hands
 
@@ -19,7 +19,7 @@ def test_a_cart_does_not_go_so_fast(name, make):
     noise = 0.002 * np.random.default_rng(0).standard_normal((len(log), 2))
     place = (log.pose[:, :2] + noise) / LENGTH_UNITS[name]
     moved = replace(log, pose=np.column_stack([place, log.pose[:, 2]]), velocity=None)
-    (told,) = (one for one in of_lengths(moved) if one.where == "pose")
+    (told,) = (one for one in length_unit_suspicions(moved) if one.where == "pose")
     assert (told.kind, told.factor, told.is_refused) == ("unit", LENGTH_UNITS[name], True)
     assert f"x and y are in {name}" in told.words
     look = look_at(moved, CART)
@@ -31,9 +31,9 @@ def test_a_cart_does_not_go_so_fast(name, make):
 def test_a_sound_log_is_in_metres(make):
     log = make(0)
     jumping = np.random.default_rng(0).random(len(log)) < 0.02
-    assert of_lengths(log) == ()
-    assert of_lengths(replace(log, pose=log.pose + 500.0 * jumping[:, None])) == ()
-    assert of_lengths(replace(log, pose=np.full_like(log.pose, np.nan))) == ()
+    assert length_unit_suspicions(log) == ()
+    assert length_unit_suspicions(replace(log, pose=log.pose + 500.0 * jumping[:, None])) == ()
+    assert length_unit_suspicions(replace(log, pose=np.full_like(log.pose, np.nan))) == ()
 
 
 @pytest.mark.parametrize("column", ["wrench", "contact"])

@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import RunLog
-from estimation.sensor_check import check_sensors, look_at, put_right
+from estimation.sensor_check import check_sensors, corrected_log, look_at
 from estimation.sensor_check.recording_artefacts import interpolated, quantised, slow, step_of
 
 from .logs import CART, RAIL, two_hands
@@ -62,7 +62,7 @@ def test_rows_written_again_are_told_and_left_out(share):
     again = random.random(len(log)) < share
     again[[0, -1]] = False
     rows = np.maximum.accumulate(np.where(again, 0, np.arange(len(log))))
-    sensors = put_right(replace(log, pose=log.pose[rows]), CART)
+    sensors = corrected_log(replace(log, pose=log.pose[rows]), CART)
     (told,) = sensors.suspicions
     assert (told.kind, told.where, told.put_right) == ("repeated", "pose", True)
     assert told.factor == pytest.approx(len(log) / (len(log) - again.sum()), rel=0.02)
@@ -73,7 +73,7 @@ def test_rows_written_again_are_told_and_left_out(share):
 @settings(max_examples=10)
 def test_a_coarse_sensor_repeats_itself_where_it_goes_slowly(seed, step):
     """That is no recorder's doing: 1.3 m/s, where fast, is a step or more a row."""
-    told = put_right(rail_log(step * np.round(walk(seed, noise=0.0) / step)), RAIL).suspicions
+    told = corrected_log(rail_log(step * np.round(walk(seed, noise=0.0) / step)), RAIL).suspicions
     assert {one.kind for one in told} == {"quantised"}
 
 
@@ -116,11 +116,11 @@ def test_a_clock_that_jumps_is_told_and_costs_nothing():
 def test_a_heading_that_nobody_measured_is_told():
     """Unless the cart runs on a rail, or nothing moves."""
     still, moving = rail_log(0 * walk(0)), rail_log(walk(0))
-    told = [one for one in put_right(moving, CART).suspicions if one.where == "heading"]
+    told = [one for one in corrected_log(moving, CART).suspicions if one.where == "heading"]
     assert [one.kind for one in told] == ["repeated"]
     assert "no_rotation" in told[0].words
-    assert not [one for one in put_right(moving, RAIL).suspicions if one.where == "heading"]
-    assert not [one for one in put_right(still, CART).suspicions if one.where == "heading"]
+    assert not [one for one in corrected_log(moving, RAIL).suspicions if one.where == "heading"]
+    assert not [one for one in corrected_log(still, CART).suspicions if one.where == "heading"]
 
 
 def test_slow_rows_are_told():

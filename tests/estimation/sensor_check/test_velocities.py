@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from estimation.sensor_check.clock import Rates, clock
-from estimation.sensor_check.velocities import of_velocities
+from estimation.sensor_check.velocities import corrected_velocities
 from estimation.sensor_check.windows import Track
 
 from .logs import NOISE, QUIET, found, late, on_rail, sealed, two_hands
@@ -22,7 +22,7 @@ def clocks(log):
 
 
 def told(log):
-    return of_velocities(log)[1]
+    return corrected_velocities(log)[1]
 
 
 @pytest.mark.long
@@ -55,7 +55,7 @@ def test_deviations_are_honest():
 @pytest.mark.parametrize(("case", "seed"), [("nothing", 1), ("lateral_slip", 0), ("payload_change", 3)])
 def test_what_is_wrong_is_told_and_put_right(case, seed, lag, gain):
     log, _ = sealed(case, seed)
-    right, suspicions = of_velocities(late(log, lag, gain))
+    right, suspicions = corrected_velocities(late(log, lag, gain))
     kinds = ({"lag"} if lag else set()) | ({"scale"} if gain != 1 else set())
     assert found(suspicions).keys() == {(kind, where) for kind in kinds for where in ("velocity", "yaw_rate")}
     assert all(one.probability > 0.9 and one.put_right for one in suspicions)
@@ -69,7 +69,7 @@ def test_what_is_wrong_is_told_and_put_right(case, seed, lag, gain):
 @pytest.mark.parametrize("case", ["nothing", "time_delay", "wheel_misalignment", "lateral_slip"])
 def test_nothing_is_told_of_sound_logs(case, seed, is_rough):
     log, _ = sealed(case, seed, is_rough)
-    right, suspicions = of_velocities(log)
+    right, suspicions = corrected_velocities(log)
     assert suspicions == ()
     assert right.velocity is log.velocity or np.array_equal(right.velocity, log.velocity, equal_nan=True)
 
@@ -80,7 +80,7 @@ def test_nothing_is_told_of_sound_logs(case, seed, is_rough):
 def test_put_right_is_as_it_was(seed, lag, gain):
     """With velocities of no noise, cubics between rows give back what was there, but for kinks between rows."""
     sound = two_hands(seed, QUIET)
-    right, _ = of_velocities(late(sound, lag, gain))
+    right, _ = corrected_velocities(late(sound, lag, gain))
     inside = slice(20, -20)
     assert np.isfinite(right.velocity[inside]).all()
     error = right.velocity[inside] - sound.velocity[inside]
@@ -91,7 +91,7 @@ def test_rows_without_velocities_stay_without():
     log = late(two_hands(0), 0.05)
     velocity = log.velocity.copy()
     velocity[1000:1100] = np.nan
-    right, _ = of_velocities(replace(log, velocity=velocity))
+    right, _ = corrected_velocities(replace(log, velocity=velocity))
     assert np.isnan(right.velocity[1000:1090]).all()
     assert np.isfinite(right.velocity[200:900]).all()
 
@@ -150,7 +150,7 @@ FAULTS = {
 def test_other_axes_and_units_are_told_with_the_cure_and_left(name):
     kind, where, change = FAULTS[name]
     wrong = change(two_hands(0))
-    right, suspicions = of_velocities(wrong)
+    right, suspicions = corrected_velocities(wrong)
     assert found(suspicions).keys() == {(kind, where)}
     assert suspicions[0].is_refused
     assert any(cure in suspicions[0].words for cure in ("multiply", "exchange", "turn"))

@@ -8,9 +8,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
-from estimation.sensor_check import of_wrenches
+from estimation.sensor_check import wrench_suspicions
 from estimation.sensor_check.wrench_readings import WRENCH_UNITS, mountings
-from estimation.sensor_check.wrenches import _speaks, balances_of, judged
+from estimation.sensor_check.wrenches import _has_signal, balances_of, judged
 from estimation.weak_form.balances import Balances
 
 from .logs import CART, QUIET, RAIL, cart_of, found, on_rail, sealed, two_hands, with_wrenches
@@ -20,7 +20,7 @@ LBF, KGF, FOOT = 4.4482216, 9.80665, 1.3558179
 
 
 def told(log, cart=CART):
-    return of_wrenches(Balances.of(log, cart), cart)
+    return wrench_suspicions(Balances.of(log, cart), cart)
 
 
 def times(*factors):
@@ -108,8 +108,8 @@ def test_what_is_only_noise_has_no_sign():
     noise = random.normal(0, 1.0, (len(log.time), 6))
     columns = [noise[:, 0], noise[:, 1] + 5.0, noise[:, 2] + slow, slow, 0 * slow, 10 * noise[:, 5]]
     arms = log.arms | {"left": ArmLog(log.arms["left"].contact, np.column_stack(columns))}
-    assert _speaks(replace(log, arms=arms), "left").tolist() == [False, False, True, True, False, False]
-    assert _speaks(log, "left")[[0, 1, 5]].all()
+    assert _has_signal(replace(log, arms=arms), "left").tolist() == [False, False, True, True, False, False]
+    assert _has_signal(log, "left")[[0, 1, 5]].all()
 
 
 def test_what_cannot_be_judged_is_said():
@@ -127,7 +127,7 @@ def test_somebody_who_pushes_is_no_fault_of_a_sensor(seed, begin):
     log = two_hands(seed)
     other = np.outer((log.time > begin) & (log.time < begin + 9.0), [30.0, 0, 0, 0, 0, 0])
     cart, felt = cart_of(0.67), with_wrenches(log, lambda wrench: wrench - other)
-    told = of_wrenches(Balances.of(felt, cart), cart)
+    told = wrench_suspicions(Balances.of(felt, cart), cart)
     assert [one for one in told if one.is_refused] == []
 
 

@@ -8,7 +8,12 @@ import numpy as np
 import pytest
 
 from cartgrasp.effects import ViscousDrag
-from estimation.discrepancy.diagnosis.next_experiments import NOTHING_OPEN, Next, next_experiment, unseen_size
+from estimation.discrepancy.diagnosis.next_experiments import (
+    NOTHING_OPEN,
+    NextExperiment,
+    next_experiment,
+    undetected_size,
+)
 from estimation.discrepancy.search.gains import CONFUSABLE_NATS
 from estimation.discrepancy.search.plausibility import MIN_NAMED_SIZE_RATIO
 from estimation.experiments.manoeuvres import Limits, pieces
@@ -70,9 +75,9 @@ def test_where_nothing_usual_is_shown_a_motion_tells_of_less(asked, z):
 def test_an_effect_is_asked_about_in_the_size_that_may_be_there_unseen():
     """Which shows by about three deviations; no less than what has a name."""
     drag = ViscousDrag(0.0, 0.0)
-    assert unseen_size(drag, 1.0) == 1.0
-    assert unseen_size(drag, 10.0) * 10.0 == pytest.approx(math.sqrt(2.0 * CONFUSABLE_NATS))
-    assert unseen_size(drag, 1e4) == MIN_NAMED_SIZE_RATIO
+    assert undetected_size(drag, 1.0) == 1.0
+    assert undetected_size(drag, 10.0) * 10.0 == pytest.approx(math.sqrt(2.0 * CONFUSABLE_NATS))
+    assert undetected_size(drag, 1e4) == MIN_NAMED_SIZE_RATIO
 
 
 def test_rivals_are_told_by_the_worse_of_both_ways(asked):
@@ -100,7 +105,7 @@ def test_long_lists_are_counted(asked):
 def test_where_nothing_is_open_nothing_is_proposed():
     assert next_experiment(diagnosis()).words == ()
     assert next_experiment(diagnosis()).why_none == NOTHING_OPEN
-    assert Next(None, ("x",)).why_none == "x"
+    assert NextExperiment(None, ("x",)).why_none == "x"
     assert next_experiment(diagnosis(arms=())).words == ("push the cart: nobody does in these logs",)
     assert next_experiment(diagnosis(is_moved=False)).words == ("push the cart: nothing moves in these logs",)
 

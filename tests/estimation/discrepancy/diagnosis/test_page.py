@@ -24,7 +24,7 @@ from estimation.discrepancy.findings.verdicts import ADDED, NOT_FITTED, WITHDRAW
 from estimation.discrepancy.log_check import checked, with_clock_offsets
 from estimation.discrepancy.search.laws import Law, smooth_laws
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.scored_candidates import Attempt, Step
+from estimation.discrepancy.search.scored_candidates import ScoredCandidate, SearchStep
 from estimation.discrepancy.where.residual import residuals
 from estimation.discrepancy.where.residual_map import residual_maps
 from estimation.discrepancy.where.where import where
@@ -47,8 +47,12 @@ def diagnosis():
     nominal = Model.started([balances], CART)
     final = nominal.refitted(nominal.cart.with_effect(ADDED_EFFECT)).rewhitened()
     before, after = residuals(nominal, final), residuals(final, final)
-    best = Attempt(ADDED_EFFECT, 310.25, 1, final)
-    attempts = (best, Attempt(QuadraticDrag(3.0), 20.5, 1), Attempt(smooth_laws([balances.motion], CART)[0], 2.0, 7))
+    best = ScoredCandidate(ADDED_EFFECT, 310.25, 1, final)
+    attempts = (
+        best,
+        ScoredCandidate(QuadraticDrag(3.0), 20.5, 1),
+        ScoredCandidate(smooth_laws([balances.motion], CART)[0], 2.0, 7),
+    )
     numbers = {"before": 0.031, "refitted": 0.021, "after": 0.0021, "noise_floor": 0.002}
     size = {"coefficient": (0.0201, 0.0007, "-")}
     effect = NamedEffect("rolling_resistance", "", 0.95, size, ("directional_drag",), 0.97)
@@ -76,7 +80,7 @@ def diagnosis():
         impacts=(Impact(3.25, np.array([1.5, 0.25, 0.0]), 0.75, -0.5),),
         warnings=(f"hand: fx is what is recorded as -fx {SCRIPT}",),
         isolability=isolability(nominal),
-        steps=(Step(attempts, best, 10.0), Step(attempts[1:], None, 37.2)),
+        steps=(SearchStep(attempts, best, 10.0), SearchStep(attempts[1:], None, 37.2)),
     )
 
 
@@ -226,12 +230,12 @@ def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
     """Though another form of what was added may make as much."""
     balances = diagnosis.final.logs[0]
     law = next(one for one in smooth_laws([balances.motion], CART) if one.name == "yaw rate")
-    less = Attempt(law, 9.0, 1, diagnosis.final)
+    less = ScoredCandidate(law, 9.0, 1, diagnosis.final)
     gap = Gap(0.05, 0.05, 0.04, 0.01, {}, {})
     with_law = replace(diagnosis.final, laws=(law,)).refitted(diagnosis.final.cart)
-    sure, unsteady = (Attempt(law, 86.4, 1, with_law, error, 4.8) for error in (13.0, 80.0))
+    sure, unsteady = (ScoredCandidate(law, 86.4, 1, with_law, error, 4.8) for error in (13.0, 80.0))
     for refused, told in ((sure, (law,)), (less, ()), (unsteady, ())):
-        steps = (diagnosis.steps[0], Step((refused,), None, 20.0))
+        steps = (diagnosis.steps[0], SearchStep((refused,), None, 20.0))
         checks, final = tuple(diagnosis.checks), diagnosis.final
         found = Diagnosis(CART, checks, (None,), diagnosis.nominal, final, steps, (0.9, 0.0), gap, False)
         assert found.verdict == "partly_explained"
@@ -243,10 +247,13 @@ def test_what_is_left_may_follow_the_law_that_was_refused_at_last(diagnosis):
 def test_a_verdict_is_what_the_numbers_say(diagnosis):
     """Each loses by its own rule, and the sentence tells the numbers of that rule."""
     final = diagnosis.final
-    added = Attempt(ADDED_EFFECT, 100.0, 1, final)
-    more, less = Attempt(DirectionalDrag(3.0, 1.0), 104.0, 1, final), Attempt(QuadraticDrag(3.0), 60.04, 1, final)
-    odd, near = Attempt(TimeDelay(0.002), 200.0, 1, final), Attempt(QuadraticDrag(3.0), 97.0, 1, final)
-    step = Step((odd, more, added, near, less), added, 10.0)
+    added = ScoredCandidate(ADDED_EFFECT, 100.0, 1, final)
+    more, less = (
+        ScoredCandidate(DirectionalDrag(3.0, 1.0), 104.0, 1, final),
+        ScoredCandidate(QuadraticDrag(3.0), 60.04, 1, final),
+    )
+    odd, near = ScoredCandidate(TimeDelay(0.002), 200.0, 1, final), ScoredCandidate(QuadraticDrag(3.0), 97.0, 1, final)
+    step = SearchStep((odd, more, added, near, less), added, 10.0)
     assert [verdict(step, one) for one in step.attempts] == [
         "a delay of 0.002 s is none of this name: 0.008 at least",
         "gains 4.0 nats more than rolling_resistance by 1 number more: not surely more",
@@ -255,9 +262,11 @@ def test_a_verdict_is_what_the_numbers_say(diagnosis):
         "gains 40.0 nats less than rolling_resistance",
     ]
     assert verdict(step, added, final.refitted(final.guess)) == WITHDRAWN
-    assert verdict(Step((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed beside what gained most"
-    assert verdict(Step((odd,), None, 10.0), odd).startswith("a delay of 0.002 s")
-    assert verdict(Step((less,), None, 10.0), replace(less, model=None)) == NOT_FITTED
+    assert (
+        verdict(SearchStep((less,), None, 70.0), less) == "gains 60.0 nats, and 70.0 are needed beside what gained most"
+    )
+    assert verdict(SearchStep((odd,), None, 10.0), odd).startswith("a delay of 0.002 s")
+    assert verdict(SearchStep((less,), None, 10.0), replace(less, model=None)) == NOT_FITTED
     assert verdict(step, replace(more, model=None)) == NOT_FITTED
     unsteady = "gains less than 1.5 standard deviations of its gain: from stretch to stretch it is not sure"
     assert verdict(step, replace(less, error=50.0)) == unsteady

@@ -7,7 +7,7 @@ import pytest
 
 from cartgrasp.effects import PoseOffset
 from cartgrasp.frames import rotation_planar
-from estimation.discrepancy.findings.forced_motion import Driven
+from estimation.discrepancy.findings.forced_motion import ForcedMotion
 from estimation.weak_form.balances import Balances
 
 from ..search.test_laws import CART, TRUTH, simulate
@@ -35,7 +35,7 @@ def test_a_right_model_is_nearer_to_the_truth_than_what_is_smooth(seed):
     """Forces there jump by up to 40 N."""
     log, truth = recorded(seed)
     balances = Balances.of(log, CART)
-    driven, motion = Driven.of(balances, CART), balances.motion
+    driven, motion = ForcedMotion.of(balances, CART), balances.motion
     true = np.column_stack([np.interp(motion.time, log.time, axis) for axis in truth.T])
     off = [np.sqrt(((one - true[:, 3:]) ** 2).mean(axis=0)) for one in (driven.velocity, motion.velocity)]
     assert (off[0] < 0.85 * off[1]).all()
@@ -48,7 +48,7 @@ def test_wrenches_that_are_lost_bend_nothing_beside():
     lost = np.abs((log.time % 5.0) - 2.0) < 0.05
     arms = {name: replace(arm, wrench=np.where(lost[:, None], np.nan, arm.wrench)) for name, arm in log.arms.items()}
     balances = Balances.of(replace(log, arms=arms), CART)
-    driven, motion = Driven.of(balances, CART), balances.motion
+    driven, motion = ForcedMotion.of(balances, CART), balances.motion
     true = np.column_stack([np.interp(motion.time, log.time, axis) for axis in truth[:, 3:].T])
     near = balances.wrenches.seen & (np.abs((motion.time % 5.0) - 2.0) < 0.5)
     off = [np.sqrt(((one - true)[near] ** 2).mean(axis=0)) for one in (driven.velocity, motion.velocity)]
@@ -58,8 +58,8 @@ def test_wrenches_that_are_lost_bend_nothing_beside():
 def test_it_does_not_matter_which_point_is_tracked():
     log, _ = recorded(4)
     cart = CART.with_effect(PoseOffset(*OFFSET))
-    here = Driven.of(Balances.of(log, CART), CART)
-    there = Driven.of(Balances.of(tracked(log), cart), cart)
+    here = ForcedMotion.of(Balances.of(log, CART), CART)
+    there = ForcedMotion.of(Balances.of(tracked(log), cart), cart)
     assert there.wrench == pytest.approx(here.wrench, abs=1e-9)
     assert there.pose == pytest.approx(here.pose, abs=5e-4)
     assert np.sqrt(((there.velocity - here.velocity) ** 2).mean()) < 1e-3

@@ -14,7 +14,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.diagnosis.figures import figures
-from estimation.discrepancy.diagnosis.law_figure import asked_forces
+from estimation.discrepancy.diagnosis.law_figure import required_forces
 from estimation.discrepancy.diagnosis.page import page
 from estimation.discrepancy.findings.learned import LearnedLaw
 from estimation.discrepancy.search.laws import smooth_laws
@@ -89,7 +89,7 @@ def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_fi
     assert found.gap.after <= 1.05 * sound.gap.after  # as far as a model that is right
     assert found.gap.noise_floor == pytest.approx(sound.gap.noise_floor, rel=0.15)
     assert effect.gap_share > 0.5
-    at, force, told_by_law = asked_forces(found, effect.law)
+    at, force, told_by_law = required_forces(found, effect.law)
     made = -4.0 * np.sin(2 * np.pi * at / 0.4)  # it resists
     assert np.corrcoef(force, made)[0, 1] > 0.8
     assert np.polyfit(told_by_law, force, 1)[0] == pytest.approx(1.0, abs=0.1)

@@ -3,9 +3,9 @@
 import pytest
 
 from cartgrasp.effects import RollingResistance, TimeDelay
-from estimation.discrepancy.findings.named_effects import NamedEffect, doubted, true_alone, words_of
+from estimation.discrepancy.findings.named_effects import NamedEffect, doubtful_names, name_probability, words_of
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.scored_candidates import Attempt, Step
+from estimation.discrepancy.search.scored_candidates import ScoredCandidate, SearchStep
 from estimation.weak_form.balances import Balances
 
 from ...weak_form.motions import TRUE, cart_of, noisy, weaving
@@ -26,12 +26,14 @@ def test_what_gains_little_beside_another_and_closes_nothing_is_doubted(gain, sh
     cart = cart_of(TRUE).with_effect(RollingResistance(0.02)).with_effect(TimeDelay(0.02))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart_of(TRUE))], cart_of(TRUE)).refitted(cart)
     _, rolling, delay = cart.effects
-    steps = [Step((one,), one) for one in (Attempt(rolling, 430.0, 1), Attempt(delay, gain, 1))]
-    assert doubted([*steps, Step((), None)], model, (0.9, share, 0.0)) == (["time_delay"] if is_doubted else [])
-    assert doubted(steps, model.refitted(cart_of(TRUE)), (0.9, share)) == []
+    steps = [SearchStep((one,), one) for one in (ScoredCandidate(rolling, 430.0, 1), ScoredCandidate(delay, gain, 1))]
+    assert doubtful_names([*steps, SearchStep((), None)], model, (0.9, share, 0.0)) == (
+        ["time_delay"] if is_doubted else []
+    )
+    assert doubtful_names(steps, model.refitted(cart_of(TRUE)), (0.9, share)) == []
 
 
 def test_a_name_is_the_surer_the_more_it_gains_and_closes():
-    assert true_alone(30.0, 30.0, True) > true_alone(20.0, 20.0, True) > true_alone(20.0, 200.0, True)
-    assert true_alone(30.0, 300.0, True) > 0.5 > true_alone(30.0, 300.0, False)
-    assert true_alone(300.0, 300.0, False) > 0.9
+    assert name_probability(30.0, 30.0, True) > name_probability(20.0, 20.0, True) > name_probability(20.0, 200.0, True)
+    assert name_probability(30.0, 300.0, True) > 0.5 > name_probability(30.0, 300.0, False)
+    assert name_probability(300.0, 300.0, False) > 0.9

@@ -10,7 +10,7 @@ from estimation.discrepancy.findings import validation as module
 from estimation.discrepancy.findings.held_out import held_out_rollouts
 from estimation.discrepancy.findings.refusal import is_beyond
 from estimation.discrepancy.findings.rollouts import Rollouts
-from estimation.discrepancy.findings.validation import closes_most, rollout_error, upheld, within_bracket
+from estimation.discrepancy.findings.validation import closes_most, rollout_error, validated, within_bracket
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -63,10 +63,10 @@ def test_a_law_stays_unless_stretches_are_foretold_better_without_it(monkeypatch
     found = replace(nominal, laws=(Law.free("of the wheel", wheel),)).refitted(nominal.cart).settled()
     noise = Rollouts(1.01 * held_out_rollouts(nominal).error)
     monkeypatch.setattr(module, "floor_rollouts", lambda model: noise)
-    assert upheld(found, nominal, (None,)) == (found, ())
+    assert validated(found, nominal, (None,)) == (found, ())
     far = Rollouts(1.01 * held_out_rollouts(nominal).error)
     monkeypatch.setattr(module, "held_out_rollouts", lambda model: far if model.laws else held_out_rollouts(model))
-    final, withdrawn = upheld(found, nominal, (None,))
+    final, withdrawn = validated(found, nominal, (None,))
     assert (final.laws, withdrawn) == ((), found.laws)
 
 

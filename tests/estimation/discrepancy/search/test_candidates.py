@@ -11,7 +11,7 @@ from cartgrasp.effects.effect import Contribution, Parameter
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
-from estimation.discrepancy.findings.forced_motion import Driven
+from estimation.discrepancy.findings.forced_motion import ForcedMotion
 from estimation.discrepancy.findings.rollouts import rolled_out, starts
 from estimation.discrepancy.search.gains import every_family
 from estimation.discrepancy.search.model import Model
@@ -94,7 +94,7 @@ def test_rollouts_have_effects_without_a_kernel():
     balances = Balances.of(log, bare)
     first = starts(balances)
     carts = [bare.with_effect(effect) for effect in (Bent(strength=6.0, at=1e6), ViscousDrag(linear=6.0))]
-    starts_of = [Driven.of(balances, cart) for cart in carts]
+    starts_of = [ForcedMotion.of(balances, cart) for cart in carts]
     own, ours = (rolled_out(balances, cart, first, starts_of[0]) for cart in carts)
     np.testing.assert_allclose(own, ours, atol=1e-6)
     np.testing.assert_allclose(starts_of[0].velocity, starts_of[1].velocity, atol=1e-4)

@@ -10,7 +10,7 @@ from scipy.signal import lfilter
 from cartgrasp.effects import LearnedForce
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.search.continuum import NEIGHBOURS_PER_SIDE, NOISE_HUMP_NATS, beside_neighbours
-from estimation.discrepancy.search.gains import MIN_GAIN_NATS, worth
+from estimation.discrepancy.search.gains import MIN_GAIN_NATS, score_gain
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -50,7 +50,9 @@ def with_law(model, period, *, harmonics=(1.0,)):
 def best_of(model):
     """Gain of the law that gains most, and that beside its neighbours, for as many as were tried."""
     tried = [with_law(model, period) for period in np.arange(1.6, 2.0, 0.02)]
-    gain, one, law = max(((worth(model.score, own.score, None), own, law) for own, law in tried), key=lambda it: it[0])
+    gain, one, law = max(
+        ((score_gain(model.score, own.score, None), own, law) for own, law in tried), key=lambda it: it[0]
+    )
     return gain - np.log(len(tried)), beside_neighbours(one, law) - np.log(len(tried))
 
 

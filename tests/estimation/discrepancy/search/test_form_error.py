@@ -12,10 +12,10 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.form_error import FormError, modes_of
-from estimation.discrepancy.search.gains import attempt, worth
+from estimation.discrepancy.search.gains import score_gain, scored_candidate
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import extended
+from estimation.discrepancy.search.search import refitted_candidate
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate
@@ -63,7 +63,7 @@ def with_drag(log, cart=CART):
 
 def tried(model, effect):
     """The candidate, refined and fitted, with what it gains beside forms."""
-    return extended(model, Screen(model), attempt(model, effect, 1), FormError(model))
+    return refitted_candidate(model, Screen(model), scored_candidate(model, effect, 1), FormError(model))
 
 
 @pytest.mark.long
@@ -114,7 +114,7 @@ def test_beside_a_form_that_is_right_nothing_is_gained():
     model = with_drag(dragged(np.ones_like))
     forms = FormError(model)
     alike, _ = forms.scores(model, RollingResistance(0.02))
-    assert worth(model.score, alike, None) < 3.0
+    assert score_gain(model.score, alike, None) < 3.0
     assert forms.scores(model, RollingResistance(0.02))[1].stretches == pytest.approx(alike.stretches)
 
 

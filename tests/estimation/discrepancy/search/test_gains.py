@@ -39,7 +39,7 @@ def test_the_colour_of_what_is_left_is_that_of_a_first_order_process(memory, dur
             logs=[SimpleNamespace(row_step=step)], cart=SimpleNamespace(constraints=SimpleNamespace(n_free=1))
         )
         score = SimpleNamespace(fit=np.zeros(0), scale=1.0)
-        found.append(Model.colour_beside(one_log, left[:, None, None], score))
+        found.append(Model.variance_inflation_beside(one_log, left[:, None, None], score))
     m = min(LONG_MEAN_INTERVAL, duration / MIN_LONG_MEANS) / step
     closed = (1.0 + memory) / (1.0 - memory) - 2.0 * memory * (1.0 - memory**m) / (m * (1.0 - memory) ** 2)
     assert min(found) >= 1.0  # white rows are never taken for whiter

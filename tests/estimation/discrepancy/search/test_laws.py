@@ -14,7 +14,7 @@ from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.findings.certainty import Certainty
-from estimation.discrepancy.search.gains import worth
+from estimation.discrepancy.search.gains import score_gain
 from estimation.discrepancy.search.laws import smooth_laws
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
@@ -176,4 +176,4 @@ def test_noise_of_the_motion_is_explained_by_no_law_and_no_light_body(seed):
     laws = smooth_laws(model.motions, model.cart)
     law = next(one for one in laws if (one.name, one.form) == ("heading", "moment"))
     more = replace(model, laws=(law,)).refitted(model.cart)
-    assert worth(model.score, more.score, None) < 30.0
+    assert score_gain(model.score, more.score, None) < 30.0

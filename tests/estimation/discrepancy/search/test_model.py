@@ -10,7 +10,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.search.scored_candidates import Attempt
+from estimation.discrepancy.search.scored_candidates import ScoredCandidate
 
 PATCH = FloorPatch(x_min=1.0, x_max=1.5, y_min=-1.0, y_max=1.0, coefficient=0.1)
 ON = np.linspace(0.0, 3.0, 301)
@@ -48,4 +48,4 @@ def test_a_push_is_over_and_a_load_stays():
     ("forms", "drift", "own"), [(None, None, 30.0), (20.0, None, 20.0), (20.0, 5.0, 5.0), (None, 40.0, 30.0)]
 )
 def test_what_is_accepted_gains_enough_beside_forms_and_drift(forms, drift, own):
-    assert Attempt(PATCH, 30.0, 1, beside_forms=forms, beside_drift=drift).own_gain == own
+    assert ScoredCandidate(PATCH, 30.0, 1, beside_forms=forms, beside_drift=drift).own_gain == own

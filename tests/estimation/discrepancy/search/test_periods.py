@@ -8,7 +8,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.effects import LearnedForce
-from estimation.discrepancy.search.covariates import Course
+from estimation.discrepancy.search.covariates import Covariates
 from estimation.discrepancy.search.laws import Law
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.periods import (
@@ -33,7 +33,7 @@ def test_power_is_that_of_the_sum_over_the_motion(variable, lever):
     random, time = np.random.default_rng(0), np.linspace(0.0, 20.0, 2001)
     way, heading = 3.0 * np.sin(0.7 * time), 0.8 * np.sin(0.3 * time)
     place = np.column_stack([way * np.cos(heading), way * np.sin(heading)])
-    course = Course(time, way, np.abs(way), heading, np.gradient(way), np.zeros(2001), place, np.abs(way))
+    course = Covariates(time, way, np.abs(way), heading, np.gradient(way), np.zeros(2001), place, np.abs(way))
     pull = random.standard_normal((2001, 2))
     acts_on = "world_force" if variable == "x" else "forward_force"
     scan = Scan(
@@ -68,7 +68,7 @@ def test_a_comb_is_highest_where_least_squares_leave_least(harmonics, frequency,
     turns = 2 * np.pi * np.arange(1, harmonics + 1)
     pull = np.cos(np.outer(frequency * time, turns) + phases) @ sizes + 0.3 * random.standard_normal(2001)
     none = np.zeros(2001)
-    course = Course(time, time, time, none, none, none, np.zeros((2001, 2)), time)
+    course = Covariates(time, time, time, none, none, none, np.zeros((2001, 2)), time)
     scan = Scan("time", LearnedForce("forward_force", "time", period=1.0), "", FREQUENCIES, LAW_HARMONICS[-1] * 4.0)
     power, frequencies = scan.power([course], [np.column_stack([pull, none])])
     combs = [one for one in scan.combs(power, frequencies) if one[2] == harmonics]
@@ -112,7 +112,7 @@ def test_what_a_scan_expects_to_gain_is_what_columns_gain():
     gained, scan, period, harmonics = max((best[0] for best in found), key=lambda one: one[0])
     assert period == pytest.approx(1.3, rel=0.02)
     assert harmonics == 1
-    course = Course.along(balances.motion)
+    course = Covariates.along(balances.motion)
     power, frequencies = scan.power([course], [pull])
     at, std = int(np.argmax(power)), scan.effect.parameters[0].typical
     own = model.whitened([scan.columns(frequencies[at : at + 1], 1, course, balances, model.cart)[:, :, 0]])

@@ -24,7 +24,7 @@ from estimation.discrepancy.search.candidates import amplitudes_of, families
 from estimation.discrepancy.search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, absent
 from estimation.discrepancy.search.model import FORCE_LEVER_STD, Model
 from estimation.discrepancy.search.refine import refined
-from estimation.discrepancy.search.scored_candidates import Attempt
+from estimation.discrepancy.search.scored_candidates import ScoredCandidate
 from estimation.discrepancy.search.screening import Screen
 from estimation.discrepancy.search.search import chosen, keys
 from estimation.weak_form.balances import Balances
@@ -163,13 +163,13 @@ def test_what_stretches_contradict_is_not_taken():
     what nobody would call by its name, is no rival."""
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
     slope, rolling = FloorSlope(0.02, 0.0), RollingResistance(0.02)
-    unsteady = Attempt(slope, 30.0, 1, model, 25.0)
-    steady = Attempt(rolling, 28.0, 1, model, 5.0)
+    unsteady = ScoredCandidate(slope, 30.0, 1, model, 25.0)
+    steady = ScoredCandidate(rolling, 28.0, 1, model, 5.0)
     assert chosen([unsteady], 10.0, MIN_GAIN_NATS) is None
     assert chosen([unsteady, steady], 10.0, MIN_GAIN_NATS) is steady
-    vanished = Attempt(RollingResistance(0.0), 90.0, 1, model, 1.0)
+    vanished = ScoredCandidate(RollingResistance(0.0), 90.0, 1, model, 1.0)
     assert chosen([vanished, steady], 10.0, MIN_GAIN_NATS) is steady
-    late = Attempt(TimeDelay(0.4), 90.0, 1, model)
+    late = ScoredCandidate(TimeDelay(0.4), 90.0, 1, model)
     assert chosen([late, steady], 10.0, MIN_GAIN_NATS) is steady
 
 
@@ -182,8 +182,8 @@ def test_another_size_of_what_the_file_has_is_a_step():
 def test_what_every_cart_has_may_be_small_beside_another():
     """Of anything else, the form of what was found may leave as much."""
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
-    rolling = Attempt(RollingResistance(0.02), 28.0, 1, model, 3.0)
-    slope = Attempt(FloorSlope(0.02), 90.0, 1, model, 3.0)
+    rolling = ScoredCandidate(RollingResistance(0.02), 28.0, 1, model, 3.0)
+    slope = ScoredCandidate(FloorSlope(0.02), 90.0, 1, model, 3.0)
     assert chosen([slope, rolling], 100.0, MIN_GAIN_NATS) is rolling
     assert chosen([slope], 100.0, MIN_GAIN_NATS) is None
     assert chosen([replace(rolling, gain=9.0)], 0.0, MIN_GAIN_NATS) is None
@@ -195,8 +195,8 @@ def test_a_name_keeps_what_a_law_fits_no_better_than_forms_differ(gain, is_named
     cart = cart_of(TRUE)
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0, slope=(0.03, 0.02)), 2), cart)], cart)
     law = next(law for law, _ in Screen(model).laws() if law.name == "place")
-    fitted = Attempt(law, 100.0, 1, replace(model, laws=(law,)).refitted(cart), 3.0)
-    named = Attempt(FloorSlope(0.03, 0.02), gain, 1, fitted.model, 3.0)
+    fitted = ScoredCandidate(law, 100.0, 1, replace(model, laws=(law,)).refitted(cart), 3.0)
+    named = ScoredCandidate(FloorSlope(0.03, 0.02), gain, 1, fitted.model, 3.0)
     assert chosen([fitted, named], 0.0, MIN_GAIN_NATS) is (named if is_named else fitted)
 
 
@@ -206,7 +206,7 @@ def test_wheels_that_drag_alike_are_no_imbalance(deviations, is_one):
     cart = cart_of(TRUE).with_effect(WheelDragImbalance(4.0, 1.0))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
     moment = deviations * np.hypot(model.deviation("wheel_drag_imbalance.moment"), FORCE_LEVER_STD * 4.0)
-    told = Attempt(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
+    told = ScoredCandidate(WheelDragImbalance(4.0, moment), 90.0, 1, model, 3.0)
     assert chosen([told], 0.0, MIN_GAIN_NATS) is (told if is_one else None)
 
 
@@ -215,7 +215,7 @@ def test_a_floor_without_an_edge_is_no_patch(far, is_one):
     """What the cart never leaves is the floor."""
     cart = cart_of(TRUE).with_effect(FloorPatch(-50.0, far, -50.0, 50.0, 0.02))
     model = Model.started([Balances.of(noisy(weaving(TRUE, 24.0), 2), cart)], cart)
-    told = Attempt(cart.effects[-1], 90.0, 1, model)
+    told = ScoredCandidate(cart.effects[-1], 90.0, 1, model)
     assert chosen([told], 0.0, MIN_GAIN_NATS) is (told if is_one else None)
 
 
@@ -246,6 +246,6 @@ def test_a_load_that_swings_faster_than_the_motion_is_known_explains_nothing(fre
 
 def test_what_closes_the_gap_may_gain_less():
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
-    slope = Attempt(FloorSlope(0.02, 0.0), 6.0, 1, model, 3.0)
+    slope = ScoredCandidate(FloorSlope(0.02, 0.0), 6.0, 1, model, 3.0)
     assert chosen([slope], 0.0, MIN_GAIN_NATS) is None
     assert chosen([slope], 0.0, CONFUSABLE_NATS) is slope

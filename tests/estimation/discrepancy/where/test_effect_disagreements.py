@@ -7,7 +7,7 @@ from cartgrasp.effects import ExternalPush, FloorPatch, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.where.effect_disagreements import acting
+from estimation.discrepancy.where.effect_disagreements import effect_disagreements
 from estimation.discrepancy.where.residual import residuals
 from estimation.weak_form.balances import Balances
 
@@ -21,7 +21,7 @@ def test_it_acts_where_its_force_is(effect):
     cart = cart_of(TRUE)
     nominal = Model.started([Balances.of(log, cart)], cart)
     extended = Model(**{**vars_of(nominal), "cart": nominal.cart.with_effect(effect)})
-    (told,) = acting(extended, residuals(nominal, nominal))
+    (told,) = effect_disagreements(extended, residuals(nominal, nominal))
     (balances,) = extended.logs
     alone = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), effects=(effect,), wheels=cart.wheels)
     state = np.hstack([balances.motion.pose, balances.motion.velocity])

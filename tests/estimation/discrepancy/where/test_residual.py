@@ -11,7 +11,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
-from estimation.discrepancy.search.covariates import Course, since_reversal
+from estimation.discrepancy.search.covariates import Covariates, since_reversal
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.where.circumstances import Circumstances, arm_wrenches
 from estimation.discrepancy.where.residual import LATERAL_VELOCITY, residuals
@@ -86,7 +86,7 @@ def test_what_overlaps_is_not_known_twice(quiet):
     own = (balances.time >= forward.start[3]) & (balances.time < forward.start[3] + forward.duration)
     mean = own / own.sum() / balances.row_step
     assert forward.std[3] == pytest.approx(np.sqrt(mean @ covariance @ mean))
-    assert forward.value[3] == pytest.approx(mean @ quiet.left[:, 0])
+    assert forward.value[3] == pytest.approx(mean @ quiet.residual[:, 0])
 
 
 def test_gaps_have_no_means(log):
@@ -106,7 +106,7 @@ def test_wheels_at_an_angle_go_sideways_in_proportion_to_the_speed():
     straight = started(circles(), bare)
     found = residuals(started(circles(angle=0.03), bare), straight)[-1]
     assert found.coordinate == LATERAL_VELOCITY
-    assert np.polyfit(found.circumstances.course.speed, found.value, 1)[0] == pytest.approx(np.tan(0.03), rel=0.1)
+    assert np.polyfit(found.circumstances.covariates.speed, found.value, 1)[0] == pytest.approx(np.tan(0.03), rel=0.1)
     assert found.disagrees
     assert not residuals(straight, straight)[-1].disagrees
 
@@ -130,8 +130,10 @@ def test_logs_follow_one_another(log):
     one, other = (found.log == k for k in range(2))
     assert one.sum() == other.sum()
     np.testing.assert_allclose(forward.start[other], forward.start[one] + 1000.0)
-    np.testing.assert_allclose(found.course.travelled[other], found.course.travelled[one], atol=1e-6)  # of rounding
-    np.testing.assert_allclose(found.course.time[other], found.course.time[one])
+    np.testing.assert_allclose(
+        found.covariates.travelled[other], found.covariates.travelled[one], atol=1e-6
+    )  # of rounding
+    np.testing.assert_allclose(found.covariates.time[other], found.covariates.time[one])
 
 
 def test_arms_give_what_their_wrenches_are_in_b(log):
@@ -163,7 +165,7 @@ def test_a_course_is_that_of_the_motion():
     log, states = simulate(TRUTH, 3, 12.0, noise=(0.0004, 0.004, 1.0))
     late = replace(log, time=log.time + 50.0)
     time = np.array([3.0, 7.0, 11.0])
-    course = Course.of(time + 50.0, np.zeros(3, dtype=int), [Balances.of(late, CART).motion])
+    course = Covariates.of(time + 50.0, np.zeros(3, dtype=int), [Balances.of(late, CART).motion])
     rows = np.searchsorted(log.time, time - 1e-9)
     np.testing.assert_allclose(course.time, time, atol=1e-6)
     np.testing.assert_allclose(course.place, states[rows, :2], atol=0.002)

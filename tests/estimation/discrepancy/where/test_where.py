@@ -11,7 +11,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.effects import LearnedForce
-from estimation.discrepancy.search.covariates import Course
+from estimation.discrepancy.search.covariates import Covariates
 from estimation.discrepancy.search.periods import Scan
 from estimation.discrepancy.where.changes import CHANGE_POINT_PENALTY, changes
 from estimation.discrepancy.where.circumstances import Circumstances
@@ -28,7 +28,7 @@ def circumstances(seed, names=("run",)):
     wrenches = {arm: random.uniform(-30, 30, (b, 3)) for arm in ("left", "right")}
     contacts = {arm: random.choice([-0.4, 0.0], (b, 2)) for arm in wrenches}
     time, way = np.arange(b) * DURATION + DURATION / 2, np.cumsum(random.uniform(0.1, 0.3, b))
-    course = Course(
+    course = Covariates(
         time,
         way,
         way,
@@ -49,20 +49,22 @@ def residual(found, push, coordinate="forward_force", std=0.5, seed=0):
 
 
 UNDER = {
-    "within 0.4 m after a reversal": lambda c: (c.course.since_reversal < 0.4) & (np.abs(c.course.speed) > 0.02),
-    "while it rolls forward": lambda c: c.course.speed > 0.02,
-    "while it rolls backward": lambda c: c.course.speed < -0.02,
-    "below 0.12 m/s": lambda c: np.abs(c.course.speed) < 0.12,
-    "above 0.60 m/s": lambda c: np.abs(c.course.speed) > 0.6,
-    "while it turns left": lambda c: c.course.yaw_rate > 0.08,
-    "while it turns right": lambda c: c.course.yaw_rate < -0.08,
-    "while it goes straight": lambda c: np.abs(c.course.yaw_rate) < 0.08,
-    "while it heads along the floor's +y": lambda c: np.abs(c.course.heading - np.pi / 2) < np.pi / 4,
-    "while it heads along the floor's -x": lambda c: np.abs(c.course.heading) > 3 * np.pi / 4,
-    "where x is 1 to 2 m and y 2 to 3 m": lambda c: (np.floor(c.course.place) == (1, 2)).all(axis=1),
-    "from t = 30.0 s to 42.0 s, ": lambda c: (c.course.time > 30) & (c.course.time < 42),
-    "after t = 90.0 s, ": lambda c: c.course.time > 90,
-    "before t = 50.0 s, ": lambda c: c.course.time < 50,
+    "within 0.4 m after a reversal": lambda c: (
+        (c.covariates.since_reversal < 0.4) & (np.abs(c.covariates.speed) > 0.02)
+    ),
+    "while it rolls forward": lambda c: c.covariates.speed > 0.02,
+    "while it rolls backward": lambda c: c.covariates.speed < -0.02,
+    "below 0.12 m/s": lambda c: np.abs(c.covariates.speed) < 0.12,
+    "above 0.60 m/s": lambda c: np.abs(c.covariates.speed) > 0.6,
+    "while it turns left": lambda c: c.covariates.yaw_rate > 0.08,
+    "while it turns right": lambda c: c.covariates.yaw_rate < -0.08,
+    "while it goes straight": lambda c: np.abs(c.covariates.yaw_rate) < 0.08,
+    "while it heads along the floor's +y": lambda c: np.abs(c.covariates.heading - np.pi / 2) < np.pi / 4,
+    "while it heads along the floor's -x": lambda c: np.abs(c.covariates.heading) > 3 * np.pi / 4,
+    "where x is 1 to 2 m and y 2 to 3 m": lambda c: (np.floor(c.covariates.place) == (1, 2)).all(axis=1),
+    "from t = 30.0 s to 42.0 s, ": lambda c: (c.covariates.time > 30) & (c.covariates.time < 42),
+    "after t = 90.0 s, ": lambda c: c.covariates.time > 90,
+    "before t = 50.0 s, ": lambda c: c.covariates.time < 50,
     "while the arms push it forward with more than": lambda c: c.total[:, 0] > 37,
     "while the arms pull it backward with more than": lambda c: c.total[:, 0] < -37,
     "while the arms push or pull with less than": lambda c: np.abs(c.total[:, 0]) < 10,
@@ -88,13 +90,13 @@ def test_a_misfit_under_one_circumstance_is_told_by_it(words, size):
         assert first.coordinate == "forward_force"
         assert first.share > 0.6
         assert first.size == pytest.approx(abs(size), rel=0.25)
-        moves = (np.abs(found.course.speed) > 0.02) | (np.abs(found.course.yaw_rate) > 0.08)
+        moves = (np.abs(found.covariates.speed) > 0.02) | (np.abs(found.covariates.yaw_rate) > 0.08)
         share = 100 * (chosen & moves).sum() / moves.sum()
         assert int(first.condition.split("(")[1].split()[0]) == pytest.approx(share, abs=8)
-        inside = np.array([any(a < t < b for a, b in first.intervals) for t in found.course.time])
+        inside = np.array([any(a < t < b for a, b in first.intervals) for t in found.covariates.time])
         assert (inside == chosen).mean() > 0.9
         if " t = " in words:
-            begin, end = found.course.time[chosen][[0, -1]]
+            begin, end = found.covariates.time[chosen][[0, -1]]
             assert (first.start, first.stop) == pytest.approx((begin - 0.25, end + 0.25))
 
 
@@ -107,12 +109,12 @@ def numbers(condition):
 def test_what_is_everywhere_is_told_by_what_it_goes_with(seed):
     """As a slope, of which one along y is 5 N forward, and one along -y 5 N back; or a drag."""
     found = circumstances(seed)
-    slope = residual(found, 5.0 * np.sin(found.course.heading), seed=seed)
+    slope = residual(found, 5.0 * np.sin(found.covariates.heading), seed=seed)
     told = next(one for one in where([slope]) if "goes with" in one.condition)
     assert "goes with the heading: " in told.condition
     assert numbers(told.condition) == pytest.approx([-4.9, -np.pi / 2, 4.9, np.pi / 2], abs=0.25)
     assert told.share > 0.9
-    drag = residual(found, -6.0 * found.course.speed, seed=seed)
+    drag = residual(found, -6.0 * found.covariates.speed, seed=seed)
     (told,) = (one for one in where([drag]) if "goes with" in one.condition)
     assert "goes with the speed: " in told.condition
     assert numbers(told.condition) == pytest.approx([4.2, -0.7, -4.2, 0.7], abs=0.3)
@@ -123,10 +125,10 @@ def test_what_holds_whenever_a_cart_moves_is_not_told():
     """Pushed forward along +x, with stops in half of the time, and a drag."""
     found = circumstances(4)
     stops = np.arange(STRETCHES) // 10 % 2 == 0
-    speed = np.where(stops, 0.0, np.abs(found.course.speed) + 0.1)
+    speed = np.where(stops, 0.0, np.abs(found.covariates.speed) + 0.1)
     nothing = np.zeros(STRETCHES)
-    course = replace(found.course, speed=speed, yaw_rate=nothing, heading=nothing, since_reversal=nothing + np.inf)
-    told = where([residual(replace(found, course=course), 5.0 * ~stops)])
+    course = replace(found.covariates, speed=speed, yaw_rate=nothing, heading=nothing, since_reversal=nothing + np.inf)
+    told = where([residual(replace(found, covariates=course), 5.0 * ~stops)])
     assert "goes with the speed: 0.0" in told[0].condition
     words = " ".join(one.condition for one in told)
     assert "forward" not in words.replace("push it forward", "")
@@ -162,14 +164,14 @@ def test_the_worst_moment_is_told_where_it_holds_much():
 def test_few_things_are_told():
     found = circumstances(8)
     assert (
-        len(where([residual(found, 5.0 * found.course.speed, name) for name in ("forward_force", "yaw_moment")]))
+        len(where([residual(found, 5.0 * found.covariates.speed, name) for name in ("forward_force", "yaw_moment")]))
         <= MAX_SENTENCES
     )
 
 
 def test_without_arms_there_is_no_force_to_tell():
     found = replace(circumstances(5), wrenches={}, contacts={})
-    one = residual(found, 4.0 * (found.course.speed > 0.02))
+    one = residual(found, 4.0 * (found.covariates.speed > 0.02))
     assert "rolls forward" in where([one])[0].condition
     assert not any("arm" in m.variable for m in residual_maps([one], [one]))
     assert not found.total.any()
@@ -184,16 +186,18 @@ def test_in_one_of_several_logs():
 
 def test_of_several_conditions_that_are_alike_one_is_told():
     found = circumstances(2)
-    found = replace(found, course=replace(found.course, yaw_rate=found.course.speed))
-    told = [one.condition for one in where([residual(found, 4.0 * (found.course.speed > 0.02))])]
+    found = replace(found, covariates=replace(found.covariates, yaw_rate=found.covariates.speed))
+    told = [one.condition for one in where([residual(found, 4.0 * (found.covariates.speed > 0.02))])]
     assert sum("rolls forward" in words or "turns left" in words for words in told) == 1
 
 
 def test_what_holds_a_push_that_was_told_says_nothing_new():
     """It lies after its begin, and along one heading, too."""
     found = circumstances(3)
-    during = (found.course.time > 30) & (found.course.time < 42)
-    found = replace(found, course=replace(found.course, heading=np.where(found.course.time < 60, 0.0, np.pi)))
+    during = (found.covariates.time > 30) & (found.covariates.time < 42)
+    found = replace(
+        found, covariates=replace(found.covariates, heading=np.where(found.covariates.time < 60, 0.0, np.pi))
+    )
     told = where([residual(found, 6.0 * during)])
     assert "from t = 30.0 s to 42.0 s" in told[0].condition
     assert not any("after t" in one.condition or "heads" in one.condition for one in told)
@@ -207,7 +211,7 @@ def test_noise_disagrees_nowhere():
 
 def test_a_creep_that_every_bearing_has_is_not_told():
     found = circumstances(3)
-    creep = np.where(found.course.speed > 0.4, 1.0, 0.0)
+    creep = np.where(found.covariates.speed > 0.4, 1.0, 0.0)
     for size, count in ((MIN_CREEP_SPEED, 0), (3 * MIN_CREEP_SPEED, 1)):
         told = where([residual(found, size * creep, LATERAL_VELOCITY, std=1e-4)])
         assert bool(told) == bool(count)
@@ -251,7 +255,7 @@ def test_long_residuals_are_looked_at_more_coarsely():
 
 def test_a_map_is_a_line_where_the_residual_is_one():
     found = circumstances(4)
-    before = residual(found, 5.0 * found.course.speed, std=0.1)
+    before = residual(found, 5.0 * found.covariates.speed, std=0.1)
     after = residual(found, 0.0, std=0.1)
     one = next(m for m in residual_maps([before], [after]) if m.variable == "speed")
     assert len(one.refitted.at) == 8
@@ -265,7 +269,7 @@ def test_a_map_is_a_line_where_the_residual_is_one():
 
 def test_a_map_has_all_that_a_residual_may_depend_on():
     found = circumstances(5)
-    never = replace(found, course=replace(found.course, since_reversal=np.full(STRETCHES, np.inf)))
+    never = replace(found, covariates=replace(found.covariates, since_reversal=np.full(STRETCHES, np.inf)))
     names = [m.variable for m in residual_maps([residual(found, 0.0)], [residual(found, 0.0)])]
     less = [m.variable for m in residual_maps([residual(never, 0.0)], [residual(never, 0.0)])]
     assert set(names) - set(less) == {"distance since a reversal"}
