@@ -137,7 +137,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.diagnosis.law_figure": dict.fromkeys(
         ("MIN_UNIT_EFFECT_RATIO", "LAW_CURVE_POINTS", "MAX_FIGURE_DOTS"), "of a figure"
     ),
-    "discrepancy.findings.learned": dict.fromkeys(
+    "discrepancy.findings.learned_laws": dict.fromkeys(
         (
             "FORCE_PHRASES",
             "TIME_LAW_CAUSES",

@@ -89,7 +89,7 @@ def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[fl
 
 
 def _noise_scale(log: RunLog, cart: CartModel) -> float:
-    """The loudness of recorded velocities; 1 for a cart that may go any way."""
+    """The noise scale of recorded velocities; 1 for a cart that may go any way."""
     axle = cart.constraints.axle_x
     if axle is None or log.velocity is None:
         return 1.0

@@ -34,7 +34,7 @@ from .recording_artefacts import frozen, interpolated, quantised, repeated, slow
 from .repeated_rows import without_repeats
 from .suspicion import Suspicion
 from .velocities import corrected_velocities
-from .wrenches import judged
+from .wrenches import judged_wrenches
 
 UNCONSTRAINED_CART = CartModel(Inertia(1.0, (0.0, 0.0), 1.0), RollingConstraints(axle_x=None))
 """A cart that may go any way."""
@@ -104,7 +104,7 @@ def look_at(log: RunLog, cart: CartModel | None) -> LogInspection:
         )
     else:
         balances = Balances.of(sensors.log, cart)
-        motion, (of_arms, unjudged) = balances.motion, judged(balances, cart)
+        motion, (of_arms, unjudged) = balances.motion, judged_wrenches(balances, cart)
         of_arms = (*of_arms, *wheel_suspicions(balances, cart))
     motions = [motion, *_motions(part for part in parts if part is not longest)]
     jumped = (one for part in parts if part is not longest for one in jumps(part))

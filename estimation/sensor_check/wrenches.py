@@ -113,10 +113,10 @@ KnownBalances = tuple[Balance, Balance | None, Balance | None]
 
 def wrench_suspicions(balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     """`sign`, `axes`, `frame` and `unit` of each arm."""
-    return judged(balances, cart)[0]
+    return judged_wrenches(balances, cart)[0]
 
 
-def judged(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
+def judged_wrenches(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicion, ...], str]:
     """Suspicions of wrenches, and why they can't be judged: "" where they can, or nobody pushes."""
     far = _far_contacts(balances)
     known = next((found for step in WRENCH_CHECK_ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)

@@ -15,7 +15,7 @@ from ..where.residual import with_fine_rows
 from .drawing import MODEL_COLOURS, ZERO_LINE_STYLE, on_floor, sides
 
 if TYPE_CHECKING:
-    from ..findings.learned import LearnedLaw
+    from ..findings.learned_laws import LearnedLaw
     from .diagnosis import Diagnosis
 
 MIN_UNIT_EFFECT_RATIO = 0.3

@@ -22,7 +22,7 @@ from .drawing import BAND_STYLE, COMPARED_MODELS, MODEL_COLOURS, ZERO_LINE_STYLE
 if TYPE_CHECKING:
     from .diagnosis import Diagnosis
 
-Pair = tuple[Residual, ...]
+ResidualPair = tuple[Residual, ...]
 """What the refitted model leaves of one coordinate, and, where anything was added, what the extended one leaves."""
 MAX_DRAWN_ROWS = 1500
 """Most rows of a log that is drawn row by row, else by means; and most dots."""
@@ -37,7 +37,7 @@ CLIPPING_PERCENTILE = 99.8
 """Percentile: what is larger is cut off."""
 
 
-def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
+def pairs(found: Diagnosis) -> list[tuple[ResidualPair, ResidualPair]]:
     """Residuals row by row, and in means over stretches, of the coordinates that disagree, the most first; else of the
     first."""
     models = [found.nominal, found.final] if found.effects else [found.nominal]
@@ -47,7 +47,7 @@ def pairs(found: Diagnosis) -> list[tuple[Pair, Pair]]:
     return [both for both in every if found.disagrees and any(one.disagrees for one in both[1])] or every[:1]
 
 
-def time_figure(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+def time_figure(found: Diagnosis, shown: Sequence[tuple[ResidualPair, ResidualPair]]) -> Figure:
     """Figure with a row for each coordinate, of the log that disagrees the most, and below a closer look at the worst
     of it."""
     worst = shown[0][0][0]
@@ -64,7 +64,7 @@ def time_figure(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Figure:
     return figure
 
 
-def _draw(axes: Sequence[Axes], pair: Pair, k: int, window: tuple[float, float] = (-np.inf, np.inf)) -> None:
+def _draw(axes: Sequence[Axes], pair: ResidualPair, k: int, window: tuple[float, float] = (-np.inf, np.inf)) -> None:
     for ax, residual, name in zip(axes, pair, COMPARED_MODELS, strict=False):
         own = (residual.circumstances.log == k) & (residual.start >= window[0]) & (residual.start <= window[1])
         time = residual.circumstances.time[own]
@@ -76,7 +76,7 @@ def _draw(axes: Sequence[Axes], pair: Pair, k: int, window: tuple[float, float] 
     _cut(axes[0], pair)
 
 
-def _cut(ax: Axes, pair: Pair) -> None:
+def _cut(ax: Axes, pair: ResidualPair) -> None:
     top = 1.15 * max(float(np.percentile(np.abs(one.value), CLIPPING_PERCENTILE)) for one in pair)
     ax.set_ylim(-top, top)
 
@@ -98,13 +98,13 @@ class Dependence:
     """What a pair may follow: the variable in words, its values (b,) at the rows, and means (k,), each with what it is
     at, of the refitted and of the extended model, with standard deviations where they are known."""
 
-    pair: Pair
+    pair: ResidualPair
     words: str
     values: Array
     means: tuple[tuple[Array, Array, Array | None], ...]
 
 
-def dependences(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterator[Dependence]:
+def dependences(found: Diagnosis, shown: Sequence[tuple[ResidualPair, ResidualPair]]) -> Iterator[Dependence]:
     """What the disagreeing coordinates go along with (but for time, which is drawn), and what withdrawn laws that
     repeat are of."""
     maps = {(one.coordinate, one.variable): (one.refitted, one.extended) for one in found.residual_maps}
@@ -122,7 +122,7 @@ def dependences(found: Diagnosis, shown: Sequence[tuple[Pair, Pair]]) -> Iterato
         )
 
 
-def _folded(pair: Pair, values: Array) -> Iterator[tuple[Array, Array, None]]:
+def _folded(pair: ResidualPair, values: Array) -> Iterator[tuple[Array, Array, None]]:
     for residual in pair:
         at, mean, _ = means(residual, values, np.linspace(0.0, values.max(), BINS_PER_PERIOD + 1))
         yield at, mean, None
@@ -143,7 +143,7 @@ def dependence_figure(rows: Sequence[Dependence]) -> Figure:
     return figure
 
 
-def floor_figure(shown: Sequence[tuple[Pair, Pair]]) -> Figure:
+def floor_figure(shown: Sequence[tuple[ResidualPair, ResidualPair]]) -> Figure:
     """Figure of residuals on the floor, a row for each coordinate."""
     figure, axes = sides(len(shown), len(shown[0][1]), 2.6, sharex=True)
     for row, (_, pair) in zip(axes, shown, strict=True):

@@ -21,13 +21,13 @@ from ...prior import Prior, report_names, report_units
 from ...weak_form.band import Band
 from ...weak_form.coordinates import bounds, coordinates, with_coordinates
 from ...weak_form.score import Score
-from ..search.gains import absent, added
+from ..search.gains import added, without_amplitudes
 from ..search.laws import Law
 from ..search.model import FORCE_LEVER_STD, Model
 from ..search.refine import is_open, moves, refined
 from ..search.screening import Screen
 from .half_sine_push import as_half_sine, half_sine_gain, with_impulse_of
-from .learned import LearnedLaw, learned
+from .learned_laws import LearnedLaw, learned
 from .reported_mass import reported_mass
 
 IDENTIFIED_STD_RATIO = 0.25
@@ -221,7 +221,7 @@ class Certainty:
 
     def _of(self, effect: Effect) -> tuple[Effect, dict[str, float]]:
         less = self.model.refitted(self.model.cart.without_effect(effect.key))
-        screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else absent(effect)
+        screen, none = Screen(less), effect if isinstance(effect, TimeDelay) else without_amplitudes(effect)
         gain: Callable[[Effect], float] = screen.gain
         if effect.gate is Gate.WHILE:
             softly = partial(half_sine_gain, screen)

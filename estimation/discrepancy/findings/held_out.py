@@ -85,7 +85,7 @@ def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
 @cached_per_model
 def floor_rollouts(model: Model) -> Rollouts:
     """Rollouts of what noise alone would do to a right model."""
-    generator, found, whole = np.random.default_rng(0), [], model.whole
+    generator, found, whole = np.random.default_rng(0), [], model.cart_with_laws
     for balances in model.logs:
         noise = fast_noise(balances, whole)
         found.append(noise_rollouts(balances, model.cart, noise, generator, NOISE_DRAWS))
@@ -125,7 +125,7 @@ def _bands_without(model: Model, fold: int) -> list[Band]:
         if step is not None:
             every = balances.every(step)
             kept = _folds_at(every.time, balances, own) != fold
-            found.append(band_in(every, model.whole, model.guess, kept))
+            found.append(band_in(every, model.cart_with_laws, model.guess, kept))
     return [band for band in found if band is not None]
 
 

@@ -20,7 +20,7 @@ from ..search.model import Model
 from ..search.scored_candidates import ScoredCandidate, SearchStep
 from .alternatives import alternatives
 from .certainty import Certainty
-from .learned import LearnedLaw
+from .learned_laws import LearnedLaw
 from .verdicts import candidate_name
 
 PRESENT_SIGMAS = 2.0

@@ -8,7 +8,7 @@ import numpy as np
 
 from cartgrasp.effects import ConstraintEffect
 
-from .gains import absent, added, added_score_gain, score_gain, scored_candidate
+from .gains import added, added_score_gain, score_gain, scored_candidate, without_amplitudes
 from .laws import Law
 from .model import Model
 from .plausibility import PRIOR_LOG_ODDS
@@ -24,8 +24,8 @@ def retuned(model: Model) -> Model:
             continue
         less = model.refitted(model.cart.without_effect(effect.key))
         screen = Screen(less)
-        best = refined(absent(effect), screen.gain)
-        if not np.allclose(best.values, absent(effect).values):
+        best = refined(without_amplitudes(effect), screen.gain)
+        if not np.allclose(best.values, without_amplitudes(effect).values):
             fitted = scored_candidate(less, best, 1).candidate
             assert not isinstance(fitted, Law | Refit)
             model = less.refitted(less.cart.with_effect(fitted))

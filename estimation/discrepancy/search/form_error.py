@@ -41,7 +41,7 @@ class FormError:
 
     def __init__(self, model: Model) -> None:
         self.model = model
-        whole, known = model.whole, {effect.key for effect in model.guess.effects}
+        whole, known = model.cart_with_laws, {effect.key for effect in model.guess.effects}
         found = [effect for effect in whole.effects if effect.key not in known]
         less = [whole.without_effect(effect.key) for effect in found]
         self._gates = [effect.gate for effect in found]

@@ -81,7 +81,7 @@ def variance_inflation_of(model: Model, candidate: Effect | Law) -> float | None
     return model.variance_inflation if candidate.gate.ends else 1.0
 
 
-def absent(effect: Effect) -> Effect:
+def without_amplitudes(effect: Effect) -> Effect:
     """The effect at the same settings, without amplitudes."""
     if isinstance(effect, ConstraintEffect):
         return type(effect).usual(effect.label)

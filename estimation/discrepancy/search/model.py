@@ -73,7 +73,7 @@ def structure_prior(
         mean[i] = mean[i] if is_place else p.absent
         std[i] = 2 * p.typical if is_place else AMPLITUDE_PRIOR_RATIO * p.typical
         free[i] = p.estimated
-    told = _believed_stds(guess, believed)
+    told = _prior_stds(guess, believed)
     for i, name in enumerate(report_names(cart)):
         if name in told and name.rpartition(".")[0] not in wide:
             std[i] = told[name]
@@ -83,7 +83,7 @@ def structure_prior(
     return ParameterPrior(mean, std, free)
 
 
-def _believed_stds(guess: CartModel, believed: Prior | None) -> dict[str, float]:
+def _prior_stds(guess: CartModel, believed: Prior | None) -> dict[str, float]:
     """Standard deviations by name that are told, those of mass and inertia of the logarithm."""
     if believed is None:
         told = dict(guess.first_guess.std)
@@ -264,7 +264,7 @@ class Model:
         typical = MAD_TO_STD * np.median(np.abs(means), axis=0)
         return float(max(1.0, *(typical[: self.cart.constraints.n_free] ** 2)))
 
-    def meets_once(self, effect: Effect) -> bool:
+    def acts_once(self, effect: Effect) -> bool:
         """Whether an effect acts for one stretch of time alone, as a push does, or a patch of the floor that is crossed
         once. A load that changes stays, and every acceleration shows it."""
         if effect.gate is not Gate.INSIDE:
@@ -303,7 +303,7 @@ class Model:
         return [balances.motion for balances in self.logs]
 
     @property
-    def whole(self) -> CartModel:
+    def cart_with_laws(self) -> CartModel:
         """The cart with the laws as effects."""
         return self.with_laws(self.cart, self.score.fit)
 

@@ -22,7 +22,6 @@ from .gains import (
     CONFUSABLE_NATS,
     GAIN_SIGMAS,
     MIN_GAIN_NATS,
-    absent,
     added,
     added_score_gain,
     every_family,
@@ -31,6 +30,7 @@ from .gains import (
     scored_candidate,
     standard_error,
     variance_inflation_of,
+    without_amplitudes,
 )
 from .laws import Law
 from .model import FORCE_LEVER_STD, Model
@@ -98,7 +98,7 @@ def _forward_selection(
         first = max(first, _first(steps))
         more = retuned(replace(best.model, compares=False).rewhitened())
         more = pruned(replace(more, compares=True).rewhitened(), MIN_GAIN_NATS).settled()
-        if keys(more) == keys(model):
+        if structure_keys(more) == structure_keys(model):
             break
         model = more
     return model, steps
@@ -130,7 +130,7 @@ def simplified(model: Model, steps: list[SearchStep]) -> tuple[Model, list[Searc
         if best is own or best.model is None or best.gain < MIN_GAIN_NATS:
             continue
         if not is_eligible(own) or own.gain - best.gain <= margin(best.model, model, effect.gate):
-            model, steps = best.model, [_with(step, best, own) for step in steps]
+            model, steps = best.model, [_swapped_step(step, best, own) for step in steps]
     return model, steps
 
 
@@ -141,7 +141,7 @@ def _beside(model: Model, effect: Effect) -> ScoredCandidate:
     return ScoredCandidate(found, score_gain(model.score, new.score, None), 1, new)
 
 
-def _with(step: SearchStep, best: ScoredCandidate, own: ScoredCandidate) -> SearchStep:
+def _swapped_step(step: SearchStep, best: ScoredCandidate, own: ScoredCandidate) -> SearchStep:
     """The step that added what now is the rival of another."""
     if step.added is None or step.added.key != own.key:
         return step
@@ -149,7 +149,7 @@ def _with(step: SearchStep, best: ScoredCandidate, own: ScoredCandidate) -> Sear
     return SearchStep((best, own, *rest), best, step.form_error)
 
 
-def keys(model: Model) -> set[str]:
+def structure_keys(model: Model) -> set[str]:
     """Keys of all that a model has beside the guess, and of what may have any size."""
     return {effect.key for effect in added(model)} | {law.key for law in model.laws} | model.wide
 
@@ -279,7 +279,7 @@ def refitted_candidate(
         found = screen.tuned(one.candidate)
         new = replace(model, laws=(*model.laws, found)).refitted(model.cart)
     else:
-        best = refined(absent(one.candidate), screen.gain)
+        best = refined(without_amplitudes(one.candidate), screen.gain)
         effect = scored_candidate(model, best, one.tried).candidate
         assert not isinstance(effect, Law | Refit)
         new = model.refitted(model.cart.with_effect(effect))
@@ -290,7 +290,7 @@ def refitted_candidate(
     gain = before + score_gain(model.score, new.score, colour)
     error = standard_error(model.score, new.score) if colour is None else 0.0
     beside = None if forms is None else before + score_gain(*forms.scores(new, found), colour)
-    is_once = isinstance(found, Effect) and new.meets_once(found)
+    is_once = isinstance(found, Effect) and new.acts_once(found)
     drifting = before + score_gain(model.score, new.score, new.variance_inflation) if is_once else None
     wandering = None
     if isinstance(found, Law) and is_like_a_scans(found.effects[0]):

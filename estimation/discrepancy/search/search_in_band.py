@@ -50,7 +50,7 @@ def searched(
 
 def _predicted_bands(final: Model) -> list[Band | None]:
     """Each log's band, in which a model foretells the motion with what was found."""
-    return [consistent(bands(balances, final.whole, final.guess)) for balances in final.logs]
+    return [consistent(bands(balances, final.cart_with_laws, final.guess)) for balances in final.logs]
 
 
 def _search_result(nominal: Model, final: Model, steps: list[SearchStep], found: Sequence[Band | None]) -> SearchResult:

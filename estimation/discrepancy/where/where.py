@@ -94,7 +94,7 @@ def _gathering(residual: Residual) -> Iterator[tuple[float, Disagreement]]:
             text = f"{100 * share:.0f} % of the misfit lies {words} ({100 * of_time:.0f} % of the time on the move)"
             told.append((known, chosen, share, text))
     for known, chosen, share, text in sorted(told, key=lambda one: -one[0])[:MAX_SENTENCES]:
-        if not any(_says(residual, other, chosen) for other in others):
+        if not any(_is_covered(residual, other, chosen) for other in others):
             others.append(chosen)
             yield known, _disagreement(residual, chosen, share, text)
 
@@ -143,7 +143,7 @@ def _along(residual: Residual) -> Iterator[Disagreement]:
         yield _disagreement(residual, np.ones(len(residual.start), dtype=bool), share, text)
 
 
-def _says(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
+def _is_covered(residual: Residual, told: np.ndarray, chosen: np.ndarray) -> bool:
     """Whether one condition says what another does: what this holds lies there."""
     within = residual.beyond[told & chosen].sum() > MAX_OVERLAP_FRACTION * residual.beyond[chosen].sum()
     return bool(within and told.sum() <= MAX_OVERLAP_WIDTH_RATIO * chosen.sum())

@@ -10,7 +10,7 @@ from hypothesis import strategies as st
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import wrench_suspicions
 from estimation.sensor_check.wrench_readings import WRENCH_UNITS, mountings
-from estimation.sensor_check.wrenches import _has_signal, balances_of, judged
+from estimation.sensor_check.wrenches import _has_signal, balances_of, judged_wrenches
 from estimation.weak_form.balances import Balances
 
 from .logs import CART, QUIET, RAIL, cart_of, found, on_rail, sealed, two_hands, with_wrenches
@@ -114,9 +114,9 @@ def test_what_is_only_noise_has_no_sign():
 
 def test_what_cannot_be_judged_is_said():
     log = two_hands(0, duration=4.0)
-    assert judged(Balances.of(log, CART), CART) == ((), "the cart moves too little, or for too short a time")
-    assert judged(Balances.of(two_hands(0), CART), CART) == ((), "")
-    assert judged(Balances.of(replace(log, arms={}), CART), CART) == ((), "")
+    assert judged_wrenches(Balances.of(log, CART), CART) == ((), "the cart moves too little, or for too short a time")
+    assert judged_wrenches(Balances.of(two_hands(0), CART), CART) == ((), "")
+    assert judged_wrenches(Balances.of(replace(log, arms={}), CART), CART) == ((), "")
 
 
 @pytest.mark.parametrize("seed", range(4))

@@ -20,7 +20,7 @@ def met_once(effect, *ways):
     """By a cart with one wheel at {b}'s origin, on logs that go along x so."""
     cart = CartModel(Inertia(20.0, (0.0, 0.0), 2.0), wheels=(Wheel("fixed", 0.0, 0.0),))
     logs = [SimpleNamespace(motion=SimpleNamespace(pose=np.pad(x[:, None], ((0, 0), (0, 2))))) for x in ways]
-    return Model.meets_once(SimpleNamespace(logs=logs, cart=cart), effect)
+    return Model.acts_once(SimpleNamespace(logs=logs, cart=cart), effect)
 
 
 @pytest.mark.parametrize(

@@ -21,12 +21,12 @@ from cartgrasp.logs import ArmLog, RunLog
 from cartgrasp.model import CartModel
 from estimation.discrepancy import diagnose
 from estimation.discrepancy.search.candidates import amplitudes_of, families
-from estimation.discrepancy.search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, absent
+from estimation.discrepancy.search.gains import CONFUSABLE_NATS, MIN_GAIN_NATS, without_amplitudes
 from estimation.discrepancy.search.model import FORCE_LEVER_STD, Model
 from estimation.discrepancy.search.refine import refined
 from estimation.discrepancy.search.scored_candidates import ScoredCandidate
 from estimation.discrepancy.search.screening import Screen
-from estimation.discrepancy.search.search import chosen, keys
+from estimation.discrepancy.search.search import chosen, structure_keys
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate_two_hands
@@ -148,7 +148,7 @@ def test_a_variant_without_amplitudes_does_nothing():
         effect = family.variants[0]
         if isinstance(effect, TimeDelay) or effect.gate.n_parameters == 4 or not len(amplitudes_of(effect)):
             continue
-        none = absent(effect)
+        none = without_amplitudes(effect)
         state = np.array([0.3, 0.2, 0.4, 0.5, 0.1])
         if hasattr(none, "slip_compliance"):
             continue
@@ -176,7 +176,7 @@ def test_what_stretches_contradict_is_not_taken():
 def test_another_size_of_what_the_file_has_is_a_step():
     """The search goes on after it, as after a name."""
     model = Model.started([Balances.of(on_rail(12.0), RAIL)], RAIL)
-    assert keys(replace(model, wide=frozenset({"viscous_drag"}))) - keys(model) == {"viscous_drag"}
+    assert structure_keys(replace(model, wide=frozenset({"viscous_drag"}))) - structure_keys(model) == {"viscous_drag"}
 
 
 def test_what_every_cart_has_may_be_small_beside_another():

@@ -16,7 +16,7 @@ from estimation.discrepancy import diagnose
 from estimation.discrepancy.diagnosis.figures import figures
 from estimation.discrepancy.diagnosis.law_figure import required_forces
 from estimation.discrepancy.diagnosis.page import page
-from estimation.discrepancy.findings.learned import LearnedLaw
+from estimation.discrepancy.findings.learned_laws import LearnedLaw
 from estimation.discrepancy.search.laws import smooth_laws
 from estimation.weak_form.balances import Balances
 
