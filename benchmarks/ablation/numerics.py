@@ -161,7 +161,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.log_check": {
         "MIN_LOG_ROWS": "refuses a log",
         "MIN_LOG_DURATION": "refuses a log",
-        "MIN_BALANCE_ROWS": "refuses a log",
+        "MIN_LOG_BALANCE_ROWS": "refuses a log",
         "HEADING_SECTORS": "words on the motion",
         "MIN_SECTOR_INTERVAL": "words on the motion",
         "MIN_ROLLING_SPEED": "words on the motion",
@@ -207,7 +207,7 @@ REASONS: dict[str, dict[str, str]] = {
         "MEAN_STRETCH_INTERVAL": "of means that are told",
         "FINE_ROW_STEP": "of rows that are drawn",
         "STRETCH_EDGE_TOLERANCE": "of a stretch, by rounding",
-        "DISAGREEMENT_SIGMAS": "whether a place is told",
+        "RESIDUAL_EXCESS_SIGMAS": "whether a place is told",
     },
     "discrepancy.where.residual_map": {
         "HEADING": "word",

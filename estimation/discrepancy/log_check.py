@@ -26,7 +26,7 @@ MIN_LOG_ROWS = 40
 """A log of 40 s at 1 Hz: some times the parameters of a cart."""
 MIN_LOG_DURATION = 4.0
 """Shortest log (s)."""
-MIN_BALANCE_ROWS = 10
+MIN_LOG_BALANCE_ROWS = 10
 """Fewest rows of balances in weak form, which hold all that is needed."""
 HEADING_SECTORS, MIN_SECTOR_INTERVAL = 8, 1.0
 """Parts of the circle; time (s) for which a cart heads into one at least."""
@@ -143,10 +143,10 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
 
 def _check_together(log: RunLog, balances: Balances, moves: bool) -> None:
     """Refuses a log whose poses and wrenches hardly ever come together, and one without a sensor."""
-    if len(balances.used) < MIN_BALANCE_ROWS:
+    if len(balances.used) < MIN_LOG_BALANCE_ROWS:
         raise DataError(
             f"{log.name}: poses and wrenches come together for {len(balances.used) * balances.row_step:.1f} s only; "
-            f"record at least {max(MIN_LOG_DURATION, MIN_BALANCE_ROWS * balances.row_step):.1f} s without gaps"
+            f"record at least {max(MIN_LOG_DURATION, MIN_LOG_BALANCE_ROWS * balances.row_step):.1f} s without gaps"
         )
     wrenches = [arm.wrench[np.isfinite(arm.wrench).all(axis=1)] for arm in log.arms.values()]
     if moves and not coasts(log) and not any((one != one[:1]).any() for one in wrenches):

@@ -18,18 +18,19 @@ from .outliers import MEDIAN_WINDOW_ROWS, outlying
 from .resolution import ROUNDING_STD, resolution
 from .sentinel_values import without_sentinels
 
-GLITCH_SIGMAS = 20.0
+GLITCH_NOISE_RATIO = 20.0
 """Times the noise."""
 MAX_GLITCH_FRACTION = 0.02
 """Largest share of the rows that are glitches: what happens more often is no accident."""
 
 
-def without_glitches(log: RunLog, far: float = GLITCH_SIGMAS) -> RunLog:
+def without_glitches(log: RunLog, far: float = GLITCH_NOISE_RATIO) -> RunLog:
     """The log, with glitches as missing samples: what is `far` times the noise from its neighbours."""
     log = without_sentinels(log)
     heading = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
     arms = {
-        name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, GLITCH_SIGMAS)) for name, arm in log.arms.items()
+        name: ArmLog(arm.contact, _without(arm.wrench, arm.wrench, GLITCH_NOISE_RATIO))
+        for name, arm in log.arms.items()
     }
     velocity = None if log.velocity is None else _without(log.velocity, log.velocity, far)
     return replace(log, pose=_without(log.pose, heading, far), velocity=velocity, arms=arms)

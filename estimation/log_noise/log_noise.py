@@ -24,7 +24,7 @@ MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, MIN_FORCE_NOISE, MIN_MOMENT_NOISE = 2e-6
 DISTURBANCE_FRACTION = 0.01
 THIRD_DIFFERENCE_GAIN = 20**0.5
 MAD_TO_STD = 1.4826
-MIN_NOISE_SAMPLES = 8
+MIN_NOISE_FLOOR_SAMPLES = 8
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -70,7 +70,7 @@ def noise_floor(channel: Array, usual: float = 0.0) -> float:
     """Standard deviation of the white noise on a channel, from its third differences; the `usual` one where
     there are too few samples to tell."""
     present = channel[np.isfinite(channel)]
-    if len(present) < MIN_NOISE_SAMPLES:
+    if len(present) < MIN_NOISE_FLOOR_SAMPLES:
         return usual
     return float(MAD_TO_STD * np.median(np.abs(np.diff(present, 3))) / THIRD_DIFFERENCE_GAIN)
 

@@ -21,11 +21,11 @@ from ..log_noise.log_noise import white_noise
 from .evidence import independent_rows
 from .windows import MIN_WINDOWS, Sums, Track, Windows
 
-MAX_CLOCK_LAG, LAG_GRID_STEP = 0.4, 0.1
+MAX_VELOCITY_LAG, LAG_GRID_STEP = 0.4, 0.1
 """s: of lags that are looked for, and between those with which a search begins; half a start or stop."""
 MAX_LAG_ITERATIONS, LAG_TOLERANCE = 12, 1e-6
 """Most rounds of Gauss and Newton; change of the lag (s) below which they end."""
-MAX_NOISE_FRACTION = 0.1
+MAX_LAG_NOISE_FRACTION = 0.1
 """Share of what tells lags from scales that noise may make."""
 MIN_EXPLAINED_FRACTION = 0.5
 """Least share of what poses do that velocities must explain before their clock can be told."""
@@ -102,7 +102,7 @@ def best_lags(readings: Sequence[Rates]) -> list[LagFit | None]:
     """For rates at the same rows, read in several ways: the lag of a coarse grid that leaves least, for each
     reading."""
     tried: list[list[tuple[float, LagFit]]] = [[] for _ in readings]
-    for lag in np.arange(-MAX_CLOCK_LAG, MAX_CLOCK_LAG + LAG_GRID_STEP / 2, LAG_GRID_STEP).tolist():
+    for lag in np.arange(-MAX_VELOCITY_LAG, MAX_VELOCITY_LAG + LAG_GRID_STEP / 2, LAG_GRID_STEP).tolist():
         sums = readings[0].on(lag)
         for rates, own in zip(readings, tried, strict=True):
             found = rates.by(sums)
@@ -125,7 +125,7 @@ def clock(rates: Rates | None) -> Clock | None:
             return None
         seen, columns, noise = found
         normal = columns.T @ columns
-        if variance * noise >= MAX_NOISE_FRACTION * (normal[1, 1] - normal[0, 1] ** 2 / max(normal[0, 0], 1e-300)):
+        if variance * noise >= MAX_LAG_NOISE_FRACTION * (normal[1, 1] - normal[0, 1] ** 2 / max(normal[0, 0], 1e-300)):
             return None
         values = np.linalg.solve(normal, columns.T @ seen)
         if values[0] <= 0:
@@ -135,7 +135,7 @@ def clock(rates: Rates | None) -> Clock | None:
         if abs(change) < LAG_TOLERANCE:
             break
     left = seen - columns @ values
-    if left @ left > (1 - MIN_EXPLAINED_FRACTION) * (seen @ seen) or abs(lag) > MAX_CLOCK_LAG + LAG_GRID_STEP:
+    if left @ left > (1 - MIN_EXPLAINED_FRACTION) * (seen @ seen) or abs(lag) > MAX_VELOCITY_LAG + LAG_GRID_STEP:
         return None
     rows = max(independent_rows(left) - 2, 1.0)
     std = np.sqrt(np.diag(np.linalg.inv(normal)) * (left @ left) / rows)

@@ -11,7 +11,7 @@ from cartgrasp.logs import RunLog
 from .sizes import MAX_CART_SPEED
 from .suspicion import Suspicion
 
-LENGTH_UNITS = {"mm": 0.001, "cm": 0.01, "inches": 0.0254, "feet": 0.3048}
+POSITION_UNITS = {"mm": 0.001, "cm": 0.01, "inches": 0.0254, "feet": 0.3048}
 USUAL_CART_SPEED = 0.5
 """m/s of a cart that is pushed."""
 SPEED_INTERVAL, SPEED_QUANTILE = 1.0, 0.9
@@ -30,6 +30,6 @@ def length_unit_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
     speed = float(np.quantile(np.linalg.norm(way, axis=1) / spent, SPEED_QUANTILE))
     if not speed > MAX_CART_SPEED:
         return ()
-    name, factor = min(LENGTH_UNITS.items(), key=lambda unit: abs(math.log(speed * unit[1] / USUAL_CART_SPEED)))
+    name, factor = min(POSITION_UNITS.items(), key=lambda unit: abs(math.log(speed * unit[1] / USUAL_CART_SPEED)))
     words = f"x and y are in {name}: in m the cart would go at {speed:.3g} m/s; multiply them by {factor:g}"
     return (Suspicion("unit", "pose", 0.99, factor, words),)

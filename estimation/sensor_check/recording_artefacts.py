@@ -32,7 +32,7 @@ MIN_RECORDER_SAMPLES = 20
 MIN_STEP_RESULTANT = 0.7
 """Resultant length of the gaps' remainders from which they are whole numbers of steps: 1 where they are, less than a
 half (in 99 of 100) where 20 of them are anything. Digits that are cut off leave remainders of an eighth of a step."""
-MAX_GAP_STEPS = 20.5
+MAX_VALUE_GAP_STEPS = 20.5
 """Steps: of wider gaps the remainder depends on the step's last digit."""
 MAX_ROW_INTERVAL = 0.2
 """s between rows: carts are started and stopped within half a second, which three samples at least show."""
@@ -189,7 +189,7 @@ def step_of(column: Array) -> float | None:
         return None
     for first in np.quantile(gaps, [0.0, 0.02, 0.1, 0.5]):
         step = _refined(gaps, float(first))
-        near = gaps[gaps < MAX_GAP_STEPS * step]
+        near = gaps[gaps < MAX_VALUE_GAP_STEPS * step]
         if (
             len(near) >= max(MIN_RECORDER_SAMPLES, 0.1 * len(gaps))
             and np.abs(np.exp(2j * np.pi * near / step).mean()) > MIN_STEP_RESULTANT
@@ -200,7 +200,7 @@ def step_of(column: Array) -> float | None:
 
 def _refined(gaps: Array, step: float) -> float:
     """Least squares of gaps on whole numbers of steps, near ones first."""
-    for reach in (1.5, 3.5, 6.5, 10.5, MAX_GAP_STEPS):
+    for reach in (1.5, 3.5, 6.5, 10.5, MAX_VALUE_GAP_STEPS):
         near = gaps[gaps < reach * step]
         count = np.maximum(np.round(near / step), 1.0)
         step = float((near @ count) / (count @ count)) if len(near) else step

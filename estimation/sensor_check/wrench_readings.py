@@ -15,7 +15,7 @@ COMMON_MOUNTING_ODDS, RARE_MOUNTING_ODDS = 0.005, 0.0003
 32 don't (one in a hundred)."""
 UNIT_ODDS = 0.01
 """Odds of each unit of force, and of each of moments beside newtons: one log in a hundred."""
-WRENCH_UNITS = {
+RECORDED_WRENCH_UNITS = {
     ("N", "N·m"): (1.0, 1.0),
     ("N", "N·cm"): (1.0, 0.01),
     ("N", "N·mm"): (1.0, 0.001),

@@ -27,12 +27,12 @@ from ..weak_form.balances import Balances
 from ..weak_form.band import NUISANCE_EFFECTS
 from .evidence import UNEXPLAINED_FRACTION, gain_evidence, independent_rows, probabilities
 from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, UNIT_REPORT_PROBABILITY, Suspicion
-from .wrench_readings import UNIT_ODDS, WRENCH_UNITS, Mounting, mountings
+from .wrench_readings import RECORDED_WRENCH_UNITS, UNIT_ODDS, Mounting, mountings
 
 WRENCH_CHECK_ROW_STEPS = 0.4, 0.2
 """The step (s) of rows of test functions, which are four times as long in all. Models of pushed carts hold below a
 hertz or so; loads swing, handles give. The second step is for logs that are too short for the first."""
-MIN_SPARE_ROWS = 16
+MIN_WRENCH_SPARE_ROWS = 16
 """Rows beside the columns that are taken out."""
 LOG_MASS_STD, LOG_INERTIA_STD, SIDEWAYS_LOG_GAIN_STD = 0.5, 0.7, 0.1
 """Spreads of logarithms. The first is of a file's mass about the true one: 19 in 20 guesses are within a factor of 2.7.
@@ -67,7 +67,7 @@ class Reading:
     @property
     def taken(self) -> Array:
         """(3, 8)."""
-        force, moment = WRENCH_UNITS[self.unit]
+        force, moment = RECORDED_WRENCH_UNITS[self.unit]
         return np.asarray(self.mounting.taken * np.array([[force], [force], [moment]]))
 
 
@@ -184,7 +184,7 @@ def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartM
     recorded, so = masses
     file = f"(the cart file says {cart.inertia.mass:.3g} kg)"
     if kind == "unit":
-        force, moment = WRENCH_UNITS[reading.unit]
+        force, moment = RECORDED_WRENCH_UNITS[reading.unit]
         words = (
             f"wrenches seem to be in {' and '.join(reading.unit)}: as recorded the mass would be {recorded:.3g} kg, so "
             f"it is {so:.3g} kg {file}; multiply forces by {force:.6g} and moments by {moment:.6g}, or mend the file's "
@@ -210,9 +210,9 @@ def _readings(arms: int) -> list[Reading]:
     groups = [(every, 1.0)] if arms == 1 else [(every, 0.5), *(((i,), 0.5 / arms) for i in every)]
     sound, si = mountings()[0], ("N", "N·m")
     found = [Reading((), sound, si, 1.0)]
-    for (group, share), mounting, unit in product(groups, mountings(), WRENCH_UNITS):
+    for (group, share), mounting, unit in product(groups, mountings(), RECORDED_WRENCH_UNITS):
         if mounting is not sound or unit != si:
-            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in WRENCH_UNITS)
+            alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in RECORDED_WRENCH_UNITS)
             odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS / alike)
             found.append(Reading(group, mounting, unit, odds))
     return found
@@ -257,7 +257,7 @@ def _has_signal(log: RunLog, arm: str) -> np.ndarray:
     wrench = wrench[np.isfinite(wrench).all(axis=1)]
     size = int(WRENCH_CHECK_ROW_STEPS[0] / float(np.median(np.diff(log.time))))
     count = len(wrench) // max(size, 1)
-    if size < 2 or count < MIN_SPARE_ROWS:
+    if size < 2 or count < MIN_WRENCH_SPARE_ROWS:
         return np.ones(wrench.shape[1], dtype=bool)
     means = wrench[: count * size].reshape(count, size, -1).mean(axis=1)
     noise = np.array([noise_floor(column) for column in wrench.T])
@@ -269,7 +269,7 @@ def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
     where too little is."""
     basis = _orthogonal(np.delete(columns, own, axis=1))
     k, taken = basis.shape
-    if k < taken + MIN_SPARE_ROWS:
+    if k < taken + MIN_WRENCH_SPARE_ROWS:
         return None
     motion, flat = columns[:, own], signals.reshape(k, -1)
     left, beside = motion - basis @ (basis.T @ motion), flat - basis @ (basis.T @ flat)

@@ -51,4 +51,4 @@ def test_a_rule_is_noticed_where_it_says_something_else():
 
 
 def _now():
-    return import_module("estimation.discrepancy.findings.reported_mass").told_mass
+    return import_module("estimation.discrepancy.findings.reported_mass").reported_mass

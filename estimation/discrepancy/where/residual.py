@@ -33,7 +33,7 @@ FINE_ROW_STEP = 0.1
 """Step (s) from row to row, where a figure shows each."""
 STRETCH_EDGE_TOLERANCE = 1e-6
 """Tolerance as a share of a stretch: rows at its very begin are in it."""
-DISAGREEMENT_SIGMAS = 3.0
+RESIDUAL_EXCESS_SIGMAS = 3.0
 """Standard deviations of what noise makes of the squares."""
 
 
@@ -78,7 +78,7 @@ class Residual:
     @property
     def disagrees(self) -> bool:
         """Whether all stretches together are farther off than noise takes them, by an amount that counts."""
-        is_sure = self.beyond.sum() > DISAGREEMENT_SIGMAS * (2 * len(self.beyond)) ** 0.5
+        is_sure = self.beyond.sum() > RESIDUAL_EXCESS_SIGMAS * (2 * len(self.beyond)) ** 0.5
         return bool(is_sure and self.size > (MIN_CREEP_SPEED if self.coordinate == LATERAL_VELOCITY else 0.0))
 
 

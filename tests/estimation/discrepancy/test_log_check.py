@@ -58,7 +58,7 @@ def test_wrenches_are_as_late_as_they_were_made(rows):
 def test_a_delay_that_the_cart_has_is_part_of_it():
     model = started(late(4))
     named = model.refitted(model.cart.with_effect(TimeDelay(delay=0.03)))
-    assert named.lateness == pytest.approx(0.03)
+    assert named.wrench_delay == pytest.approx(0.03)
     (found,) = clock_offsets(named)
     assert found.value == pytest.approx(3.5 * STEP, abs=0.002)
 

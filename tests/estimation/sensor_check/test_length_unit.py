@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.length_unit import LENGTH_UNITS, length_unit_suspicions
+from estimation.sensor_check.length_unit import POSITION_UNITS, length_unit_suspicions
 
 from .logs import CART, on_rail, two_hands
 
@@ -17,10 +17,10 @@ def test_a_cart_does_not_go_so_fast(name, make):
     """Before, forces were told to be in kN."""
     log = make(1)
     noise = 0.002 * np.random.default_rng(0).standard_normal((len(log), 2))
-    place = (log.pose[:, :2] + noise) / LENGTH_UNITS[name]
+    place = (log.pose[:, :2] + noise) / POSITION_UNITS[name]
     moved = replace(log, pose=np.column_stack([place, log.pose[:, 2]]), velocity=None)
     (told,) = (one for one in length_unit_suspicions(moved) if one.where == "pose")
-    assert (told.kind, told.factor, told.is_refused) == ("unit", LENGTH_UNITS[name], True)
+    assert (told.kind, told.factor, told.is_refused) == ("unit", POSITION_UNITS[name], True)
     assert f"x and y are in {name}" in told.words
     look = look_at(moved, CART)
     assert {(one.kind, one.where) for one in look.suspicions if one.is_refused} == {("unit", "pose")}

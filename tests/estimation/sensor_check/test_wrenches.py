@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check import wrench_suspicions
-from estimation.sensor_check.wrench_readings import WRENCH_UNITS, mountings
+from estimation.sensor_check.wrench_readings import RECORDED_WRENCH_UNITS, mountings
 from estimation.sensor_check.wrenches import _has_signal, balances_of, judged_wrenches
 from estimation.weak_form.balances import Balances
 
@@ -196,7 +196,7 @@ def test_the_table_of_mountings_is_whole():
     assert {one.kind for one in wrong} == {"sign", "axes", "frame"}
     assert all(np.abs(one.taken).sum(axis=1).tolist() == [1, 1, 1] for one in wrong)
     assert 0.05 < sum(one.odds for one in wrong) < 0.2
-    assert next(iter(WRENCH_UNITS.values())) == (1.0, 1.0)
+    assert next(iter(RECORDED_WRENCH_UNITS.values())) == (1.0, 1.0)
 
 
 @pytest.mark.long
