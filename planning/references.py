@@ -28,7 +28,7 @@ from cartgrasp.reference_file import MAX_STRETCH_ACCELERATION, MAX_STRETCH_DURAT
 __all__ = ["PathReference", "Stretch", "chain", "pause", "speed_change", "straight", "turn"]
 
 KNOT_SPACING = 0.05
-MAX_REFERENCE_SPEED = 50.0
+MAX_STRETCH_SPEED = 50.0
 """m/s or rad/s: what is beyond is a slip of units."""
 GAUSS_LEGENDRE = tuple(zip(*(part.tolist() for part in np.polynomial.legendre.leggauss(5)), strict=True))
 """Nodes in [-1, 1] and weights, of Gauss and Legendre."""
@@ -181,7 +181,7 @@ def turn(angle: float, yaw_rate: float, yaw_acceleration: float = 0.5) -> list[S
 
 
 def _check_rates(what: str, speed: float, acceleration: float, units: tuple[str, str]) -> None:
-    positive(f"{what}: speed", speed, MAX_REFERENCE_SPEED, f"give {units[0]}")
+    positive(f"{what}: speed", speed, MAX_STRETCH_SPEED, f"give {units[0]}")
     positive(f"{what}: acceleration", acceleration, MAX_STRETCH_ACCELERATION, f"give {units[1]}")
 
 
@@ -189,7 +189,7 @@ def speed_change(change: float, acceleration: float = 0.5) -> list[Stretch]:
     """A step of acceleration that changes the forward speed by `change` (m/s)."""
     _check_rates(
         "speed_change",
-        abs(number("speed_change: change", change, -MAX_REFERENCE_SPEED, MAX_REFERENCE_SPEED, "give m/s")),
+        abs(number("speed_change: change", change, -MAX_STRETCH_SPEED, MAX_STRETCH_SPEED, "give m/s")),
         acceleration,
         ("m/s", "m/s²"),
     )

@@ -15,7 +15,7 @@ from .jit import Ints, compiled
 from .situation import SWINGING_ROW
 from .vocabulary import KINDS
 
-N_SIZES = 7
+N_WORKSPACE_SIZES = 7
 N_EFFECT_INTS = 8
 """Whole numbers of an effect."""
 N_PHI = 4
@@ -79,14 +79,14 @@ def pack(
     """`wheels` and pivots; how much memory and how many parameters; gravity and smoothing speed."""
     (table, pivots), (nm, p), nf = wheels, sizes, basis.shape[1]
     n, constants = 3 + nf + nm, [number for effect in effects for number in effect.constants]
-    ints = np.zeros(N_SIZES + N_EFFECT_INTS * len(effects), np.int64)
-    ints[:N_SIZES] = len(effects), len(table), len(pivots), nf, nm, p, len(constants)
+    ints = np.zeros(N_WORKSPACE_SIZES + N_EFFECT_INTS * len(effects), np.int64)
+    ints[:N_WORKSPACE_SIZES] = len(effects), len(table), len(pivots), nf, nm, p, len(constants)
     end = 0
     for effect in effects:
         if effect.name not in KINDS:
             cure = "derive an effect in numpy from ForceEffect; one with a kernel needs its row of vocabulary.KINDS"
             raise UsageError(f"effects: {effect.name} has no kernel; {cure}")
-    for row, effect in zip(ints[N_SIZES:].reshape(-1, N_EFFECT_INTS), effects, strict=True):
+    for row, effect in zip(ints[N_WORKSPACE_SIZES:].reshape(-1, N_EFFECT_INTS), effects, strict=True):
         own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)
         drives = effect.drives and memory.stop > memory.start
         row[:] = KINDS[effect.name], own.start, own.stop, memory.start, memory.stop, begin, end, drives
@@ -114,7 +114,7 @@ def unpack(floats: Array, ints: Ints) -> tuple[Workspace, Array]:
     loads, at = floats[at : at + nw], at + nw
     carried, at = floats[at : at + 4 * nw].reshape((nw, 4)), at + 4 * nw
     standing, at = floats[at : at + nw], at + nw
-    effects = ints[N_SIZES:].reshape((ne, N_EFFECT_INTS))
+    effects = ints[N_WORKSPACE_SIZES:].reshape((ne, N_EFFECT_INTS))
     w = Workspace(
         floats[0],
         floats[1],

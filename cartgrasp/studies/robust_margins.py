@@ -34,7 +34,7 @@ from .shopping_cart import WHEELS
 
 NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"
 WAYS = (NOMINAL, ROBUST, CART_KNOWN)
-CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 15.0, 0.5
+CONFIDENCE, MIN_MARGIN_LOAD, FRICTION = 0.99, 15.0, 0.5
 CONTROL_PERIOD = 0.01
 PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
 SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
@@ -134,7 +134,7 @@ class Drive:
         self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=FILTER_NOISE, prior=PRIOR)
         self._reference = PathReference(PATH, guess.rolling)
         self._tracker = build_tracker(guess.constraints)
-        limits = (TipOver(LEAST_LOAD), Skid(FRICTION))
+        limits = (TipOver(MIN_MARGIN_LOAD), Skid(FRICTION))
         self._planners = [
             WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
             for sure in (None, CONFIDENCE, None)
@@ -181,7 +181,7 @@ def room(truth: CartModel, motion: Motion, plan: Plan) -> float:
     floor, spatial = FloorReaction.of(truth, motion), plan.contact_wrenches.spatial_wrench_b
     loads = floor.loads(spatial)
     skid = FRICTION * loads[:2].sum() - abs(float(floor.lateral(spatial)))
-    return float(min(loads.min() - LEAST_LOAD, skid))
+    return float(min(loads.min() - MIN_MARGIN_LOAD, skid))
 
 
 def reserve(plan: Plan) -> float:

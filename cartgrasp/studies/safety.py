@@ -48,8 +48,8 @@ GUESS_STD_FACTORS = {GUESS_STD_TWICE: 2.0, GUESS_STD_THRICE: 3.0}
 """As wide deviations of the first guess, with which margins give way, and a cautious controller slows down."""
 MAX_ARRIVAL_DELAY = 10.0
 """s that such a cart may be late."""
-CONFIDENCE, LEAST_LOAD, FRICTION = 0.99, 5.0, 0.5
-LIMITS = (TipOver(LEAST_LOAD), Skid(FRICTION))
+CONFIDENCE, MIN_WHEEL_LOAD, FLOOR_FRICTION = 0.99, 5.0, 0.5
+LIMITS = (TipOver(MIN_WHEEL_LOAD), Skid(FLOOR_FRICTION))
 DISTURBANCE = 0.5
 """N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
 LIMIT_TOLERANCE = 0.1
@@ -79,7 +79,7 @@ def drawn(seed: int, times: float = 1.0) -> tuple[CartModel, CartModel]:
     while True:
         mass, x, y, height = (random.uniform(*span) for span in (MASS_RANGE, COM_X_RANGE, COM_Y_RANGE, HEIGHT_RANGE))
         truth = _cart((mass, x, y, mass * random.uniform(0.08, 0.16)), height)
-        if (truth.wheel_set.loads(truth.inertia.phi) > MIN_REST_LOAD_RATIO * LEAST_LOAD).all():
+        if (truth.wheel_set.loads(truth.inertia.phi) > MIN_REST_LOAD_RATIO * MIN_WHEEL_LOAD).all():
             break
     body = truth.inertia
     values = np.array([body.mass, *body.com, body.about_com])
@@ -157,8 +157,8 @@ def room(truth: CartModel, motion: Motion, wrench_b: Array) -> float:
     """How far the cart is inside its limits under a spatial wrench (6,), N."""
     floor = FloorReaction.of(truth, motion)
     loads = floor.loads(wrench_b)
-    skid = FRICTION * loads[~truth.wheel_set.is_caster].sum() - abs(float(floor.lateral(wrench_b)))
-    return float(min(loads.min() - LEAST_LOAD, skid))
+    skid = FLOOR_FRICTION * loads[~truth.wheel_set.is_caster].sum() - abs(float(floor.lateral(wrench_b)))
+    return float(min(loads.min() - MIN_WHEEL_LOAD, skid))
 
 
 def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenario:

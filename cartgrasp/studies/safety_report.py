@@ -11,10 +11,11 @@ from matplotlib.figure import Figure
 
 from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
-from .safety import BLIND, CONFIDENCE, CONFIDENT, ESTIMATED, LEAST_LOAD, LIMIT_TOLERANCE, TRUTH_KNOWN, WAYS, Run
+from .safety import BLIND, CONFIDENCE, CONFIDENT, ESTIMATED, LIMIT_TOLERANCE, MIN_WHEEL_LOAD, TRUTH_KNOWN, WAYS, Run
 
 TITLE = (
-    f"Drawn carts that break a true limit ({LEAST_LOAD:g} N on each wheel, or skid) by more than {LIMIT_TOLERANCE:g} N "
+    f"Drawn carts that break a true limit ({MIN_WHEEL_LOAD:g} N on each wheel, or skid) "
+    f"by more than {LIMIT_TOLERANCE:g} N "
     "in any tick; effort and arrival by those of the cart known are medians"
 )
 COLUMNS = ("way", "carts", "broken", "fell", "by at most N", "wheel off", "effort", "of known", "arrived", "later s")

@@ -204,11 +204,10 @@ class SensorMonitor:
             found += self._of_axle()
             if self._sideways.left[0] <= MAX_UNEXPLAINED_FRACTION * self._sideways.whole:
                 found += self._of_wrenches()
-        stay = {(one.kind, one.where) for one in self.suspicions}
-        told = [
-            one for one in found if one.probability >= (RETAINED_PROBABILITY if (one.kind, one.where) in stay else REFUSAL_PROBABILITY)
-        ]
-        self.suspicions = (*told, *self._of_noise())
+        reported = {(one.kind, one.where) for one in self.suspicions}
+        asked = [RETAINED_PROBABILITY if (one.kind, one.where) in reported else REFUSAL_PROBABILITY for one in found]
+        kept = [one for one, least in zip(found, asked, strict=True) if one.probability >= least]
+        self.suspicions = (*kept, *self._of_noise())
 
     def _of_headings(self) -> Iterator[Suspicion]:
         log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]

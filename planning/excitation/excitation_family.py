@@ -27,7 +27,7 @@ if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.roles import ReferencePath
 
-SAMPLE_INTERVAL = 0.1  # s, of the samples at which a window is judged
+WINDOW_SAMPLE_INTERVAL = 0.1  # s, of the samples at which a window is judged
 MIN_WEAVE_SPEED = 0.1  # m/s: a slower cart is not made to weave
 MIN_WEAVE_DURATION = 0.8  # s: there is no time to weave in less
 AMPLITUDE_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
@@ -51,7 +51,7 @@ class Motions:
 def motions(reference: ReferencePath, cart: CartModel, window: tuple[float, float], offset: float) -> Motions:
     """The reference in a window, and its deviations by at most `offset` (m) along and across."""
     start, stop = window
-    n = max(1, round((stop - start) / SAMPLE_INTERVAL))
+    n = max(1, round((stop - start) / WINDOW_SAMPLE_INTERVAL))
     times = start + (np.arange(n) + 0.5) * (stop - start) / n
     references = [reference.at(time) for time in times]
     poses, velocity, acceleration = (

@@ -17,7 +17,7 @@ from .jit import compiled
 from .proof import Claim
 from .working_set import Held, Ints, Problem
 
-N_SIZES = 6
+N_PROGRAM_SIZES = 6
 N_FOUND = len(Residuals._fields)
 
 
@@ -35,8 +35,8 @@ class Sizes(NamedTuple):
     def allocate(self) -> tuple[Array, Ints]:
         n, m, k = self.n, self.limits, self.free
         floats = n * (2 * m + 3 * n + 4 * self.moving + 10) + 3 * m + 3 * (self.arms + k) + 1 + N_FOUND
-        ints = np.zeros(N_SIZES + 1 + n + 4 * m, np.int64)
-        ints[:N_SIZES] = self
+        ints = np.zeros(N_PROGRAM_SIZES + 1 + n + 4 * m, np.int64)
+        ints[:N_PROGRAM_SIZES] = self
         return np.zeros(floats), ints
 
 
@@ -79,8 +79,8 @@ def views(floats: Array, ints: Ints) -> Workspace:
     x, at = floats[at : at + n], at + n
     y, at = floats[at : at + m], at + m
     found = floats[at : at + N_FOUND]
-    count, limit = ints[N_SIZES : N_SIZES + 1], ints[N_SIZES + 1 : N_SIZES + 1 + n]
-    first = N_SIZES + 1 + n
+    count, limit = ints[N_PROGRAM_SIZES : N_PROGRAM_SIZES + 1], ints[N_PROGRAM_SIZES + 1 : N_PROGRAM_SIZES + 1 + n]
+    first = N_PROGRAM_SIZES + 1 + n
     spans = ints[first:].reshape((m, 4))
     return Workspace(
         Problem(rows, lifted, limits, free, spans),

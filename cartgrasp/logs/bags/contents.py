@@ -13,11 +13,20 @@ from ...frames import Array
 from ..mapped.planar_pose import planar
 from .bag import Bag
 from .likely_path import likely_path
-from .messages import DECODERS, ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE, BadMessageError, Sample, decode
+from .messages import (
+    DECODERS,
+    NS_PER_S,
+    ODOMETRY_TYPE,
+    POSE_TYPE,
+    TF_TYPES,
+    WRENCH_TYPE,
+    BadMessageError,
+    Sample,
+    decode,
+)
 from .topic_samples import MAX_MEASUREMENT, frames_of
 from .transform_tree import arrow, frames_on
 
-NS_PER_S = 1e9
 MAX_NOISE_SAMPLES = 20_000
 """Samples of a topic that its noise is read off."""
 MIN_NOISE_SAMPLES = 20

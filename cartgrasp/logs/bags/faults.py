@@ -9,10 +9,10 @@ import numpy as np
 from numpy.typing import NDArray
 
 from .bag import SALVAGE_HINT, Bag
+from .messages import NS_PER_S
 from .topic_samples import TopicSamples
 
 SECONDS_PER_DAY = 86_400.0
-NS_PER_S = 1_000_000_000
 
 
 @dataclass(frozen=True)

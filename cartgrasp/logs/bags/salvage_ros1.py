@@ -7,13 +7,13 @@ from collections.abc import Iterator
 from dataclasses import dataclass, field
 
 from .bag import message_kind
+from .messages import NS_PER_S
 from .unpacking import unpacked
 
 ROSBAG_MAGIC = b"#ROSBAG V2.0\n"
 OP_MESSAGE, OP_CHUNK, OP_CONNECTION = 2, 5, 7
 LENGTH_STRUCT = struct.Struct("<I")
 TIME_STRUCT = struct.Struct("<II")
-NS_PER_S = 1_000_000_000
 
 RawMessage = tuple[str, str, int, bytes]
 

@@ -15,14 +15,13 @@ from ..mapped.processing_steps import ProcessingSteps
 from ..mapped.timed_samples import MapPlace, TimedSamples
 from .bag import Bag
 from .faults import far_stamps, other_frames, other_values, without
-from .messages import ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE
+from .messages import NS_PER_S, ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE
 from .tf_paths import TfPaths
 from .topic_map import ContactEntry, TopicMapFile
 from .topic_samples import ALL_FRAMES, Frames, Key, TopicSamples, read_samples
 from .transform_chain import common_span, composed
 from .transform_tree import Link, is_static
 
-NS_PER_S = 1_000_000_000
 MAX_TILT = 0.35
 
 

@@ -20,10 +20,9 @@ from ...frames import PLANAR, body_to_world
 from ...writing import write_atomically
 from ..run_log import RunLog
 from .mcap_file import McapFile
-from .messages import ODOMETRY_TYPE, TF_TYPE, WRENCH_TYPE, Sample, encode, encode_transforms
+from .messages import NS_PER_S, ODOMETRY_TYPE, TF_TYPE, WRENCH_TYPE, Sample, encode, encode_transforms
 from .opening import MAP_KEY, METADATA_NAME
 
-NS_PER_S = 1_000_000_000
 MAX_STAMP_SECONDS = 2.0**31
 WORLD_FRAME, CART_FRAME = "world", "cart"
 ODOMETRY_TOPIC, TF_TOPIC = "/cart/odometry", "/tf"

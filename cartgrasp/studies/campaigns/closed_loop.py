@@ -13,7 +13,7 @@ from ..scenario import Scenario
 from .drawing import Drawn, drawn_values, with_values
 from .job import Job
 
-SAMPLE_INTERVAL = 1.0
+SERIES_INTERVAL = 1.0
 """s between what is kept of estimates and tracking error."""
 
 
@@ -67,9 +67,9 @@ class ClosedLoopRun(Job):
 
 
 def _series(record: RunRecord) -> dict[str, Any]:
-    """Values at multiples of SAMPLE_INTERVAL."""
+    """Values at multiples of SERIES_INTERVAL."""
     time = record.time
-    rows = np.searchsorted(time, np.arange(time[0], time[-1] + 1e-9, SAMPLE_INTERVAL) - 1e-9)
+    rows = np.searchsorted(time, np.arange(time[0], time[-1] + 1e-9, SERIES_INTERVAL) - 1e-9)
     parameters = {
         name: {"value": one.value[rows].tolist(), "std": one.std[rows].tolist()}
         for name, one in record.parameters.items()

@@ -10,7 +10,7 @@ from cartgrasp.frames import Array
 
 from .jit import Indices
 
-N_SIZES = 6
+N_BLOCK_SIZES = 6
 """Numbers of a plan before the indices of the free parameters: how many states, reduced wrenches, memories, parameters
 and free ones, and how many numbers stiction has at most."""
 

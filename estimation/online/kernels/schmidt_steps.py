@@ -21,7 +21,7 @@ from .free_directions import add_creep, raised
 from .jit import Indices, compiled, entry
 from .measured_wrench import WRENCH_HOLD_TIME
 from .relocalisation import is_relocalised, restart_motion
-from .schmidt_block import N_SIZES, Considered, parts
+from .schmidt_block import N_BLOCK_SIZES, Considered, parts
 
 MAX_FILTER_STEP = 0.01
 MAX_INSTABILITY_EFOLDINGS = 12.0
@@ -58,7 +58,7 @@ def drive(
         point = Point(d.mean, time, d.theta, d.mean[:0])
         forward(cart, point, given, flow)
         n_stuck = stictions(cart, point, stuck) if plan[5] > 0 else 0
-        _predict(d, flow, stuck[: 3 * n_stuck], plan[N_SIZES:], step, room)
+        _predict(d, flow, stuck[: 3 * n_stuck], plan[N_BLOCK_SIZES:], step, room)
         if _is_poised(d):
             settled = room[: len(d.poise)]
             settle_all(cart, point, situation(cart, point, lifted(cart.basis, d.mean[3:])), settled)
@@ -72,7 +72,7 @@ def predict(block: Array, plan: Indices, flow: Array, stuck: Array, step: float)
     `stuck`: roots (3,) of densities of what Coulomb effects may give besides, one after the other. Returns whether a
     memory is poised."""
     d = unpack(block, plan)
-    _predict(d, flow, stuck, plan[N_SIZES:], step, d.room)
+    _predict(d, flow, stuck, plan[N_BLOCK_SIZES:], step, d.room)
     return _is_poised(d)
 
 
