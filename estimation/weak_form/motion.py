@@ -17,7 +17,7 @@ from cartgrasp.tracked_point import composed, in_frame, inverted
 
 from ..noise import FilterNoise
 from .pose_fits import PoseFits
-from .quantisation import between_steps
+from .quantisation import dequantised
 from .sensor_noise import MotionNoise
 from .splines import Samples, SplineBasis, SplineFit
 
@@ -164,7 +164,7 @@ def motion_of(
         )
     grid: Array = np.asarray(first + step * np.arange(int((last - first) / step) + 1), dtype=float)
     noise = MotionNoise.of(log) if told is None else MotionNoise.told(told, log)
-    log = between_steps(log)
+    log = dequantised(log)
     poses = np.column_stack([log.pose[seen, :2], _unwrapped(log, seen)])
     basis = SplineBasis.over(first, last, KNOT_STEPS * step)
     fits, from_poses = [], []

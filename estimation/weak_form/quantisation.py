@@ -18,7 +18,7 @@ WHOLE_STEP_TOLERANCE, MIN_WHOLE_STEP_FRACTION, MAX_COUNTED_STEPS = 0.1, 0.95, 5.
 of more steps than the last are not asked, since a step that is told roughly adds up."""
 
 
-def between_steps(log: RunLog) -> RunLog:
+def dequantised(log: RunLog) -> RunLog:
     """The log, with poses that come in steps on straight lines between the moments at which they change; as they are
     where the motion turns within a step."""
     pose = log.pose.copy()
