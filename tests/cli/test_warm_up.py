@@ -18,7 +18,7 @@ ROOT = Path(__file__).parents[2]
 LOOP = """
 import numpy as np
 from cartgrasp import Arm, CartModel, Inertia, Measurement, Wheel
-from cartgrasp.compiling import ENTRIES
+from cartgrasp.compiling import ENTRY_KERNELS
 from cartgrasp.effects import RollingResistance, ViscousDrag
 from estimation import CartFilter
 from planning import WrenchPlanner
@@ -30,7 +30,7 @@ planner = WrenchPlanner(cart, [Arm("hand", [(-0.25, 0.1, 1.0), (-0.25, 0.0, 1.0)
 planner.warm_up()
 online = CartFilter(cart)
 online.warm_up()
-before = {kernel.py_func.__name__: len(kernel.overloads) for kernel in ENTRIES}
+before = {kernel.py_func.__name__: len(kernel.overloads) for kernel in ENTRY_KERNELS}
 random = np.random.default_rng(0)
 for i in range(500):
     time, noise = 0.01 * i, random.normal(size=12)
@@ -42,7 +42,7 @@ for i in range(500):
     seen = np.array(pose) + 0.0005 * noise[6:9], np.array([speed, 0, 0]) + 0.005 * noise[9:]
     estimate = online.update(Measurement(time, *seen, felt, {"hand": np.array([0.0, 0.0, 1.0])}))
     planner.plan_or_hold((force if i % 7 else 1e4, 0.0, 1.0), estimate=estimate)
-after = {kernel.py_func.__name__: len(kernel.overloads) for kernel in ENTRIES}
+after = {kernel.py_func.__name__: len(kernel.overloads) for kernel in ENTRY_KERNELS}
 print({name for name in after if after[name] != before.get(name, 0)})
 """
 
