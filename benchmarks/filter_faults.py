@@ -91,7 +91,7 @@ QUIET = "quiet"
 """Sensors of forces with which a run tells the mass to much less than 3 %."""
 LEAST_NOISE, MOST_NOISE = 0.3, 3.0
 LONGEST_MEMORY, FORCE, MOMENT = 0.06, 3.0, 0.2
-"""s; N and N·m of noise that remembers."""
+"""s; N and N·m of autocorrelated noise."""
 NEES, MASS, UNSOUND = 2.0, 0.03, 0.9
 LATENESSES = (0.0, 0.01, 0.025, 0.05, -0.02)
 """s."""

@@ -31,7 +31,8 @@ SENSORS = ("pose", "velocity", "wrench")
 
 class SensorHealth(NamedTuple):
     """The last usable sample's `time`, its `ratio`, the normalised innovation squared over the gate beyond which it
-    counts less, and the `outlying` share of the last samples; whether nothing has come for too long."""
+    counts less (of `wrench`, that of the regression's last row), and the `outlying` share of the last samples; whether
+    nothing has come for too long."""
 
     time: float
     ratio: float

@@ -255,6 +255,16 @@ def test_docstrings_name_what_they_describe():
     assert fragments({"a": 'X = 1\n"""Of a log: its rows."""\n', "b": '"""Rows of a log."""\n'}) == ["a:2"]
 
 
+def test_the_page_names_what_is_there():
+    """Every module that docs/architecture.md names exists, and it names all of `estimation`, of which it tells most."""
+    page = (ROOT / "docs" / "architecture.md").read_text(encoding="utf-8")
+    modules = {path.name for package in PACKAGES for path in (ROOT / package).rglob("*.py")}
+    mine = {path.name for path in (ROOT / "estimation").rglob("*.py") if path.name != "__init__.py"}
+    told = {Path(name).name for name in re.findall(r"`([\w/.]+\.py)`", page)}
+    assert told - modules == {"test_architecture.py"}
+    assert {name for name in mine if name not in page} == set()
+
+
 def test_no_constant_has_two_meanings():
     assert ambiguous(sources()) == {}
 

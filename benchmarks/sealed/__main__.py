@@ -85,7 +85,7 @@ def add_generate(making: argparse.ArgumentParser) -> None:
         "--shares", type=shares, default=(1.0,), metavar="SHARE,…", help="of effects' sizes, for detection floors"
     )
     making.add_argument(
-        "--rough", action="store_true", help="by worse sensors: noise that remembers, poses that are off, lost rows"
+        "--rough", action="store_true", help="by worse sensors: autocorrelated noise, poses that are off, lost rows"
     )
     making.add_argument(
         "--guess", type=guess, metavar="FACTOR", help="times the true mass that cart files say; any: a third to three"

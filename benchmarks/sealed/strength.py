@@ -1,5 +1,5 @@
 """How plainly an effect shows: what is left of the recorded wrench when mass, CoM, inertia and drag are refitted
-without noise, beside the noise; white, or what is new in each sample of noise that remembers."""
+without noise, beside the noise; white, or what is new in each sample of autocorrelated noise."""
 
 from __future__ import annotations
 

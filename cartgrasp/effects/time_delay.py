@@ -1,7 +1,7 @@
 """A wrench that is recorded late against the motion: filtered in the sensor, or stamped when it arrived.
 
 Values are not changed, so there is nothing to correct in a sample. Simulated sensors record the wrench of `delay` ago;
-`logs.alignment` brings a log's wrenches back to when they happened.
+`logs.alignment` brings a log's wrenches back to when they happened; online, `estimation.online.delayed_wrenches` does.
 """
 
 from __future__ import annotations

@@ -1,4 +1,4 @@
-"""Velocity noise that remembers, as estimators and low-passed encoders make.
+"""Autocorrelated velocity noise, as estimators and low-passed encoders make.
 
 Taken for white it looks quieter than it is, twice: from one sample to the next it hardly changes, and means of many
 are no better than those of few. A smoother that believes in it finds accelerations that are noise. It is read where no

@@ -79,25 +79,25 @@ class DelayedWrenches:
         return other
 
     def estimate(self) -> Estimate:
-        now = self._ahead.estimate()
+        now = self._current.estimate()
         return self.core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
 
     @property
     def belief(self) -> Gaussian:
-        return self._ahead.belief
+        return self._current.belief
 
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
-        return self._ahead.nis
+        return self._current.nis
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
-        return self._ahead.sensors
+        return self._current.sensors
 
     @property
-    def _ahead(self) -> LearningFilter:
+    def _current(self) -> LearningFilter:
         if self._now is None:
-            self._now = self.core.ahead(self._held)
+            self._now = self.core.predicted_through(self._held)
         return self._now
 
     def _felt_together(self, last: Measurement) -> dict[str, Array]:

@@ -8,12 +8,15 @@ measurement. Of any other nothing is said, nor of a hand that gives nothing.
 from __future__ import annotations
 
 import math
+from collections.abc import Iterator
 from dataclasses import replace
 
 import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
+
+from ..sensor_check.suspicion import Suspicion
 
 SENSOR_CALIBRATION_ROWS, MIN_REVERSAL_FRACTION = 200, 0.5
 """Rows by which a sensor is known; share of these in which a component turns round, from which on that is noise."""
@@ -27,8 +30,9 @@ class FrozenWrenches:
 
     def __init__(self) -> None:
         self._arms: dict[str, _Sensor] = {}
+        self._frozen: tuple[str, ...] = ()  # in the last sample that had wrenches
 
-    def news(self, measurement: Measurement) -> Measurement:
+    def without_frozen(self, measurement: Measurement) -> Measurement:
         """With numbers that are none for wrenches that froze."""
         if not measurement.wrenches:
             return measurement
@@ -39,9 +43,16 @@ class FrozenWrenches:
                 sensor = self._arms[arm] = _Sensor()
             if sensor.repeats(measurement.time, np.asarray(wrench, dtype=float)):
                 frozen.append(arm)
+        self._frozen = tuple(frozen)
         if not frozen:
             return measurement
         return replace(measurement, wrenches={**measurement.wrenches, **dict.fromkeys(frozen, np.full(6, np.nan))})
+
+    @property
+    def suspicions(self) -> Iterator[Suspicion]:
+        for arm in self._frozen:
+            words = f"{arm}: its wrench comes again to the last bit: the force sensor, or its driver, has frozen"
+            yield Suspicion("repeated", arm, 1.0 - FALSE_FREEZE_PROBABILITY, None, words)
 
 
 class _Sensor:

@@ -71,15 +71,19 @@ class LateSamples(Generic[T]):
         self._samples: list[Measurement] = []
         self._forgotten = 0
         self._refused: tuple[float, float] | None = None  # first and last in a row
-        self.ahead = 0.0  # s: of the samples' clock
+        self.clock_offset = 0.0  # s, added to stamps: a clock that was set back goes on from where it was
 
-    def take(self, measurement: Measurement) -> bool:
-        """Whether the sample could be taken in: not where it is of before all that is kept. When the clock was set
-        back, time goes on from where it was, so much `ahead`."""
+    def on_steady_clock(self, measurement: Measurement) -> Measurement:
+        """The sample with the time of a clock that is never set back; `take` is to be given such."""
         if not math.isfinite(measurement.time):
             raise UsageError(f"measurement: time {measurement.time} is not finite")
-        if self.ahead:
-            measurement = replace(measurement, time=measurement.time + self.ahead)
+        if not self.clock_offset:
+            return measurement
+        return replace(measurement, time=measurement.time + self.clock_offset)
+
+    def take(self, measurement: Measurement) -> bool:
+        """Whether the sample could be taken in: not where it comes later than by `MAX_SAMPLE_DELAY`, or is of before
+        all that is kept. Where nothing but such come, the clock was set back."""
         if self._take(measurement):
             self._refused = None
             return True
@@ -88,7 +92,7 @@ class LateSamples(Generic[T]):
         if measurement.time - self._refused[0] < CLOCK_RESET_TIMEOUT:
             return False
         gap = self.state.time + CLOCK_RESET_TIMEOUT - measurement.time
-        self.ahead += gap
+        self.clock_offset += gap
         return self._take(replace(measurement, time=measurement.time + gap))
 
     @property
@@ -106,7 +110,8 @@ class LateSamples(Generic[T]):
         if measurement.time >= self.state.time - 1e-9:
             self._go_on(measurement)
             return True
-        if not self._kept or measurement.time < self._kept[0].state.time:
+        oldest = self.state.time - MAX_SAMPLE_DELAY
+        if not self._kept or measurement.time < max(oldest, self._kept[0].state.time):
             return False
         while self._kept[-1].state.time > measurement.time:
             self._kept.pop()

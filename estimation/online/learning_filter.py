@@ -73,7 +73,7 @@ class LearningFilter:
         self.learner.scale_noise(noise_factors)
         self.motion.scale_noise(noise_factors)
 
-    def ahead(self, samples: Sequence[Measurement]) -> Self:
+    def predicted_through(self, samples: Sequence[Measurement]) -> Self:
         """A copy that has seen later motion, and learned nothing."""
         other, seen = shallow_copy(self), MeasuredMotion()
         other.motion = self.motion.copy()

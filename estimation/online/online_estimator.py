@@ -1,4 +1,4 @@
-"""What online estimators have in common: samples in whatever order, and a watch over the sensors."""
+"""What online estimators have in common: samples in whatever order, and a monitor of the sensors."""
 
 from __future__ import annotations
 
@@ -17,6 +17,7 @@ from ..health import Health
 from ..parameter_report import qualified_by_health
 from ..sensor_check.suspicion import REFUSED_KINDS, Suspicion
 from .arguments import EstimatorArguments, check_measurement
+from .arm_monitor import ArmMonitor
 from .clock_monitor import ClockMonitor
 from .frozen_wrenches import FrozenWrenches
 from .late_samples import LateSamples, SampleFilter
@@ -38,9 +39,9 @@ class OnlineEstimator(ABC, Generic[C]):
 
     def __init__(self, made_of: EstimatorArguments, core: C) -> None:
         self.cart, self.arms, self.noise, self.prior, _ = made_of
-        self._tracked, self._watch = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
+        self._tracked, self._sensor_monitor = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
         self._samples, self._clock = LateSamples(core), ClockMonitor()
-        self._repeats, self._frozen = RepeatedPoses(), FrozenWrenches()
+        self._repeats, self._frozen, self._arms_seen = RepeatedPoses(), FrozenWrenches(), ArmMonitor(self.arms)
         self._motion: Motion | None = None  # as told last
 
     @abstractmethod
@@ -50,13 +51,15 @@ class OnlineEstimator(ABC, Generic[C]):
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
-        samples, watch = self._samples, self._watch
+        samples, watch = self._samples, self._sensor_monitor
         try:
-            news = self._frozen.news(self._repeats.news(self._tracked.at_body(measurement), self._motion))
+            sample = samples.on_steady_clock(self._tracked.at_body(measurement))
+            sample = self._frozen.without_frozen(self._repeats.without_repeats(sample, self._motion))
             before = samples.state.time
-            is_taken = samples.take(news)
-            self._clock.note(news)
-            now = measurement.time + samples.ahead
+            is_taken = samples.take(sample)
+            self._clock.note(sample)
+            self._arms_seen.note(sample)
+            now = measurement.time + samples.clock_offset
             is_slow = not now - before < SLOW_LOOP_INTERVAL
             is_free = now >= watch.due and (is_slow or not samples.state.worked)
             if is_free and watch.go_on(now, samples.last, at_once=is_slow):
@@ -87,15 +90,17 @@ class OnlineEstimator(ABC, Generic[C]):
 
     @property
     def estimate(self) -> Estimate:
-        found, ahead = self._told(), self._samples.ahead
+        found, offset = self._told(), self._samples.clock_offset
         if self._clock.is_lost:
             found = found._replace(health=Health.STALE)
-        told = (*self._clock.suspicions, *self._watch.suspicions)
+        told = (*self._clock.suspicions, *self._sensor_monitor.suspicions)
+        if found.health == Health.NO_WRENCH:
+            told = (*told, *self._arms_seen.suspicions, *self._frozen.suspicions)
         if found.health != Health.INCONSISTENT:  # under a model that does not fit, nobody knows what is noise
             told = (*told, *self._samples.state.wrench_noise_scale.suspicions)
         if told:
             found = qualified(found, told)
-        return found._replace(time=found.time - ahead) if ahead else found
+        return found._replace(time=found.time - offset) if offset else found
 
     @property
     def _core(self) -> C:

@@ -27,7 +27,7 @@ class RepeatedPoses:
         self._pose, self._velocity, self._time = b"", b"", -math.inf
         self._at_rest = self._again = 0
 
-    def news(self, measurement: Measurement, motion: Motion | None) -> Measurement:
+    def without_repeats(self, measurement: Measurement, motion: Motion | None) -> Measurement:
         """Without a pose that is none, and a velocity that comes again with it; `motion` is what was believed before
         this sample."""
         if measurement.pose is None or not measurement.time > self._time:

@@ -74,7 +74,10 @@ class WrenchSensing:
         self._holds: dict[str, Hold] = {}
         self._grip: Grip | None = None
         self._last: dict[str, tuple[float, Array]] = {}  # by arm: when, and what it recorded
-        self._accepted, self._doubted = list[float](), list[float]()  # wrenches (6 n,): the last, and one that jumped
+        self._accepted, self._doubted = (
+            list[float](),
+            list[float](),
+        )  # fx, fy and tz (3 n,): the last, and those that jumped
         self._farthest = MAX_WRENCH_JUMP_RATIO * GRAVITY * cart.inertia.mass
         self._no_grip = Grip(np.zeros((cart.constraints.n_free, cart.constraints.n_free)), np.zeros(0), {})
         self.corrects, self.feels_motion = bool(cart.sensor_effects), cart.feels_motion
@@ -115,7 +118,7 @@ class WrenchSensing:
             raise ValueError("a wrench has six components")  # `check_measurement` says which
         if self._takes_all:
             self._note_arms(recorded)
-        grip = self._grip = self._grip or self._gripped()
+        grip = self._grip = self._grip or self._new_grip()
         if len(grip.places) > 1 and recorded:
             recorded = self._held(measurement.time, recorded)
         for arm, place in grip.places.items():
@@ -128,7 +131,7 @@ class WrenchSensing:
             for place in grip.places.values():
                 place[UNUSED_COMPONENTS] = np.nan_to_num(place[UNUSED_COMPONENTS], posinf=0.0, neginf=0.0)
             numbers = grip.wrenches.tolist()
-        if self._has_jumped(numbers):
+        if self._has_jumped([*numbers[0::6], *numbers[1::6], *numbers[5::6]]):
             return self._no_grip
         if self.corrects and grip.places:
             if moving is not None and self.feels_motion:
@@ -144,8 +147,8 @@ class WrenchSensing:
         return {arm: wrench for arm, (since, wrench) in self._last.items() if time - since <= WRENCH_HOLD_TIME}
 
     def _has_jumped(self, recorded: list[float]) -> bool:
-        """Further than a hand goes from one sample to the next. What the next sample confirms is no spike; where one is
-        missing, the last that was there counts."""
+        """Whether fx, fy and tz of the arms (3 n,) went further than hands do from one sample to the next. What the
+        next sample confirms is no spike; where one is missing, the last that was there counts."""
         if not math.isfinite(sum(recorded)):
             return False
         before, self._accepted = self._accepted, recorded
@@ -211,7 +214,7 @@ class WrenchSensing:
             if arm not in self._arms:
                 self._arms, self._grip = (*self._arms, arm), None
 
-    def _gripped(self) -> Grip:
+    def _new_grip(self) -> Grip:
         """The grip of all arms, with zero wrenches; one of no arms where there is none, or where a contact is not
         known."""
         holds = [self._holds.get(arm) for arm in self._arms]

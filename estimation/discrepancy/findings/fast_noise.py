@@ -23,7 +23,7 @@ FAST_NOISE_ROW_STEP = 0.2
 """Step (s) of the rows: their third differences pass 1.2 to 2.3 Hz."""
 THIRD_DIFFERENCE = np.array([-1.0, 3.0, -3.0, 1.0])
 MAX_FAST_NOISE_RATIO = 3.0
-"""Largest multiple of the sensors' own noise, as differences of samples tell it: of noise that remembers for 50 ms
+"""Largest multiple of the sensors' own noise, as differences of samples tell it: of autocorrelated noise for 50 ms
 (exponentially, at 100 Hz). What is louder is none of a sensor's."""
 MIN_FAST_NOISE_DIFFERENCES = 20
 """Fewest differences that tell their usual size."""

@@ -22,9 +22,9 @@ from .regression_belief import Innovation, RegressionBelief, mixture
 
 DECISION_NATS = math.log(1000.0)
 """The log odds beyond which only one of the beliefs is left."""
-MIN_LOAD_BLOCKS, MAX_HYPOTHESES_ROWS = 15, 60
-"""Blocks before which no load is told for sure, since a push may last so long; and rows after which what is still not
-told apart is one belief, as wide as both."""
+MIN_HYPOTHESES_BLOCKS, MAX_HYPOTHESES_ROWS = 15, 60
+"""Blocks before which hypotheses stay open, since a push may last so long; and rows after which what is still not told
+apart is one belief, as wide as both."""
 CHANGE_ONSET_ROWS = 2
 """Rows that tell nothing of a change, since it may set in within them: a row is of means over 0.1 s."""
 PUSH_END_ROWS = 5
@@ -144,9 +144,11 @@ class LoadHypotheses:
             return self.rows >= MAX_HYPOTHESES_ROWS
         if sure == 0:
             return (
-                self.pushed.rows >= PUSH_END_ROWS or self.still >= MIN_LOAD_BLOCKS or self.rows >= MAX_HYPOTHESES_ROWS
+                self.pushed.rows >= PUSH_END_ROWS
+                or self.still >= MIN_HYPOTHESES_BLOCKS
+                or self.rows >= MAX_HYPOTHESES_ROWS
             )
-        return self.is_on_another_floor or self.rows + self.still >= MIN_LOAD_BLOCKS
+        return self.is_on_another_floor or self.rows + self.still >= MIN_HYPOTHESES_BLOCKS
 
     @property
     def is_loaded(self) -> bool:
@@ -173,7 +175,7 @@ class LoadHypotheses:
     @property
     def is_reported(self) -> bool:
         """Whether a load is, or a push that is not long gone, if only as long as nothing else comes."""
-        return self.is_loaded or (self.has_push and self.without < MIN_LOAD_BLOCKS)
+        return self.is_loaded or (self.has_push and self.without < MIN_HYPOTHESES_BLOCKS)
 
     @property
     def is_endless(self) -> bool:

@@ -31,6 +31,7 @@ from ...prior import Prior
 from ..disturbance.observer import PUSH_FORCE_STD
 from ..kernels.recorded_moment import ROW_DUE, WRENCH_USED
 from ..kernels.row_algebra import FilteredRow, UnmodelledNoise, weights
+from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..load_change import load_covariance, root_of
 from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
@@ -42,7 +43,7 @@ from .load_monitor import CHI2_TEST_ROWS, LoadMonitor
 from .mass_products import MassProducts
 from .motion_tracker import MotionTracker
 from .regression_belief import Innovation, RegressionBelief
-from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, PendingStage, RowStage, SmoothingStage, UpdateStage
+from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, RowStage, SmoothingStage, Stage, UpdateStage
 from .scale import ScaleInformation
 from .wrench_noise_scale import WrenchNoiseScale
 
@@ -82,9 +83,9 @@ class ParameterLearner:
         self._one_disturbance = one_disturbance(cart, noise)
         self._level, self._is_disturbed = DisturbanceLevel.between(noise.disturbance, unseen), False
         self.wrench_noise_scale = WrenchNoiseScale()
-        self._pending: tuple[RowStage, ...] = ()  # rows that wait until the scale is known
+        self._unscaled_rows: tuple[RowStage, ...] = ()  # rows that wait until the scale is known
         self._scale = ScaleInformation.of(cart, prior, self._free)
-        self._watch = LoadMonitor(cart.constraints.n_free, len(self._free))
+        self._load_monitor = LoadMonitor(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
@@ -95,11 +96,11 @@ class ParameterLearner:
         self._memory = FollowedMemory(cart, noise.swivel)
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
-        self._seen, self._started, self._has_wrench = MeasuredMotion(), False, False
-        self._unfinished: PendingStage | None = None  # how far a row is worked out
+        self._seen, self._started = MeasuredMotion(), False
+        self._unfinished: Stage | None = None  # how far a row is worked out
         self.worked = False  # whether something of a row was worked out with the last sample, which takes long
         self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
-        self._seen_until = -math.inf  # time of the last pose or velocity
+        self._seen_until = self._wrench_until = -math.inf  # times of the last pose or velocity, and of the last wrench
         self._conclude()
 
     def take(self, measurement: Measurement) -> None:
@@ -122,9 +123,9 @@ class ParameterLearner:
         self.worked = said & ROW_DUE > 0 or self._unfinished is not None
         if self.worked:
             self._work(self.time - before, is_due=said & ROW_DUE > 0)
-        self._watch.go_on(time)
+        self._load_monitor.go_on(time)
         if said & WRENCH_USED:
-            self.measured_wrench, self._has_wrench = self.tracker.measured_wrench, True
+            self.measured_wrench, self._wrench_until = self.tracker.measured_wrench, self.time
         else:
             self.measured_wrench = NO_WRENCHES
 
@@ -149,14 +150,15 @@ class ParameterLearner:
 
     @property
     def health(self) -> Health:
-        if not self._started:
+        if not self._started or self.time - self._seen_until > SENSOR_TIMEOUT:
             return Health.STALE
-        return self._watch.health if self._has_wrench else Health.NO_WRENCH
+        is_felt = self.time - self._wrench_until <= SENSOR_TIMEOUT
+        return self._load_monitor.health if is_felt else Health.NO_WRENCH
 
     @property
     def gate_ratio(self) -> float:
         """The last row's normalised square over the gate beyond which it counts less."""
-        return self._watch.ratio
+        return self._load_monitor.ratio
 
     def estimate(self, motion: Motion, health: Health) -> Estimate:
         """What is known by now, with a motion."""
@@ -165,7 +167,7 @@ class ParameterLearner:
     def copy(self) -> Self:
         other = shallow_copy(self)
         other.tracker, other._belief = self.tracker.copy(), self._belief.copy()
-        other._watch, other._sensing = shallow_copy(self._watch), self._sensing.copy()
+        other._load_monitor, other._sensing = shallow_copy(self._load_monitor), self._sensing.copy()
         return other
 
     @property
@@ -250,9 +252,9 @@ class ParameterLearner:
         """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row
         was due. Returns how many moments are left."""
         self.tracker.followed(moments)
-        self.time, self._has_wrench = self.tracker.last_time, True
+        self.time = self._wrench_until = self.tracker.last_time
         self._seen_until = max(self._seen_until, self.tracker.seen_until)
-        self._watch.go_on(before)
+        self._load_monitor.go_on(before)
         self._work(self.time - before, is_due=self.tracker.over()[0] > 0)
         return len(self.tracker.time)
 
@@ -275,7 +277,7 @@ class ParameterLearner:
     def _drop_link(self, *, is_still: bool = False) -> None:
         """The next block does not begin where the last one ended, or stood still."""
         self._belief.drop_link()
-        self._taken = self._pending = ()
+        self._taken = self._unscaled_rows = ()
         if self._hypotheses is not None:
             self._settle(self._hypotheses.without_link(is_still=is_still), self.time)
             self._conclude()
@@ -291,10 +293,10 @@ class ParameterLearner:
         """The row, with which the last ones count at last, too; None while the scale is not known."""
         n = len(told.row.residual)
         self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], told.row)
-        self._pending = (*self._pending, told)[-CHI2_TEST_ROWS:]
+        self._unscaled_rows = (*self._unscaled_rows, told)[-CHI2_TEST_ROWS:]
         if not self._scale.is_known:
             return None
-        pending, self._pending = self._pending, ()
+        pending, self._unscaled_rows = self._unscaled_rows, ()
         for one in pending[:-1]:
             self._taken_in(*one)
         return told
@@ -322,11 +324,11 @@ class ParameterLearner:
     def _decide(self, time: float, told: Innovation | LoadHypotheses) -> DoneStage | HypothesesStart:
         """What a row says of loads and pushes."""
         if isinstance(told, LoadHypotheses):
-            self._watch.follow(time, told.innovation, is_pushed=told.is_pushed)
+            self._load_monitor.follow(time, told.innovation, is_pushed=told.is_pushed)
             self._settle(told, time)
             return DoneStage()
         root = self._root_of_load
-        if not self._watch.note(time, told, root, self.wrench_noise_scale):
+        if not self._load_monitor.note(time, told, root, self.wrench_noise_scale):
             return DoneStage()
         floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
         beginning = HypothesesStart.of(time, self._taken, root @ root.T, floor, self._push)
@@ -350,7 +352,7 @@ class ParameterLearner:
         self._hypotheses, self._taken = None, ()
         self._belief.open(root @ root.T)
         self.last_decision = self.last_load_change = self.time
-        self._watch.note_load_change(self.time)
+        self._load_monitor.note_load_change(self.time)
         self._conclude()
 
     def _begin(self, beginning: HypothesesStart) -> DoneStage | HypothesesStart:
@@ -365,7 +367,7 @@ class ParameterLearner:
         self._hypotheses, self._belief = None if hypotheses.is_over else hypotheses, hypotheses.belief
         if hypotheses.is_over:
             self.last_decision, self.last_load_change = time, time if hypotheses.is_loaded else self.last_load_change
-        self._watch.settle(time, hypotheses)
+        self._load_monitor.settle(time, hypotheses)
 
     def _conclude(self) -> None:
         """The parameters to linearise at and to report; where what is believed is no body, the most likely one is
@@ -382,14 +384,14 @@ class ParameterLearner:
     def _covariance_to_report(self) -> Array:
         """The covariance (p, p) that people are told: of all that is not excluded, and as innovations vary."""
         wide = None if self._hypotheses is None else self._hypotheses.not_excluded
-        return self._watch.excess * (self.covariance if wide is None else wide.concluded().covariance)
+        return self._load_monitor.excess * (self.covariance if wide is None else wide.concluded().covariance)
 
     @property
     def report(self) -> Mapping[str, ParameterEstimate]:
         """What is said of the parameters."""
         if self._report is None:
             self._report = self.reported(self.reported_covariance)
-        return qualified_by_health(self._report, self._watch.health)
+        return qualified_by_health(self._report, self._load_monitor.health)
 
     def reported(self, covariance: Array) -> Mapping[str, ParameterEstimate]:
         """What would be said of the parameters if they had a covariance (p, p)."""

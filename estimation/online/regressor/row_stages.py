@@ -69,6 +69,6 @@ class DoneStage(NamedTuple):
     """A row after which it is known what to believe."""
 
 
-PendingStage = (
+Stage = (
     SmoothingStage | Block | RowStage | HypothesisStage | UpdateStage | NoiseScaleStage | HypothesesStart | DoneStage
 )

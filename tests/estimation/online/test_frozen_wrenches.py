@@ -17,7 +17,9 @@ HOLD = {"hand": np.array([-0.25, 0.0, 1.0])}
 def told(rows):
     """Which of the rows (n, 6) a watch believes."""
     watch = FrozenWrenches()
-    seen = [watch.news(Measurement(0.01 * k, wrenches={"hand": row}, contacts=HOLD)) for k, row in enumerate(rows)]
+    seen = [
+        watch.without_frozen(Measurement(0.01 * k, wrenches={"hand": row}, contacts=HOLD)) for k, row in enumerate(rows)
+    ]
     return np.array([np.isfinite(one.wrenches["hand"]).all() for one in seen])
 
 

@@ -121,6 +121,69 @@ def test_an_arm_that_falls_silent_makes_the_total_unknown():
 
 
 @ONLINE
+@pytest.mark.parametrize("fault", ["frozen wrench", "frozen pose", "gap"])
+def test_a_clock_that_was_set_back_blinds_no_monitor(online, fault):
+    """Faults come half a second after the clock went back by a minute: they are told as with a steady clock."""
+    log, _ = simulate(TRUTH, 3, duration=8.0, noise=(0.0004, 0.005, 1.0))
+    samples, healths, masses = list(log.measurements()), [], []
+    for set_back in (0.0, 60.0):
+        learner = online(guess(), ["hand"], noise=replace(NOISE, force=1.0, moment=0.05), prior=KNOWN)
+        for k, sample in enumerate(samples):
+            if fault == "frozen wrench" and k >= 500:
+                sample = replace(sample, wrenches=samples[500].wrenches)
+            if fault == "frozen pose" and k >= 500:
+                sample = replace(sample, pose=samples[500].pose, velocity=samples[500].velocity)
+            if fault == "gap" and 500 <= k < 700:
+                continue
+            estimate = learner.update(replace(sample, time=sample.time - set_back * (k >= 400)))
+            if fault == "gap" and k == 700:
+                break
+        healths.append(str(estimate.health))
+        masses.append(estimate.parameters["mass"].value)
+    assert healths[0] == healths[1] == {"frozen wrench": "no_wrench", "frozen pose": "stale", "gap": "stale"}[fault]
+    assert masses[1] == pytest.approx(masses[0], rel=0.02)
+
+
+@pytest.mark.parametrize("ahead", [5.0, 1000.0])
+def test_one_stamp_far_ahead_is_left_behind(ahead):
+    log, _ = simulate(TRUTH, 3, duration=6.0, noise=(0.0004, 0.005, 1.0))
+    learner, refused = CartFilter(guess(), ["hand"], noise=replace(NOISE, force=1.0, moment=0.05), prior=KNOWN), 0
+    for k, sample in enumerate(log.measurements()):
+        estimate = learner.update(replace(sample, time=sample.time + ahead) if k == 300 else sample)
+        refused += estimate.health == Health.CLOCK
+    assert refused == pytest.approx(0.5 / 0.01, abs=2)
+    assert estimate.time == pytest.approx(sample.time, abs=1e-6)
+    assert estimate.health == Health.OK
+    np.testing.assert_allclose(estimate.motion.pose_sb[:2], sample.pose[:2], atol=0.005)
+
+
+def test_what_comes_too_late_is_left_out():
+    """However old the kept states are: here the last two samples are a second apart."""
+    log, _ = simulate(TRUTH, 3, duration=3.0)
+    learner, samples = CartFilter(guess(), ["hand"], prior=KNOWN), list(log.measurements())
+    for sample in (*samples[:150], samples[250]):
+        learner.update(sample)
+    assert learner.update(samples[250 - 20]).health != Health.CLOCK
+    assert learner.update(samples[250 - 40]).health == Health.CLOCK
+
+
+@pytest.mark.parametrize(
+    ("arms", "holds", "words"),
+    [
+        (["Left"], {"left": (0.0, 0.0, 1.0)}, "Left: no wrench of it has come; those that came are of left"),
+        (None, {}, "left: its wrenches come without a contact; give contacts={'left': (x, y, z)} once"),
+        (["left"], {}, "left: its wrenches come without a contact; give contacts={'left': (x, y, z)} once"),
+    ],
+)
+def test_arms_without_a_usable_wrench_are_named(arms, holds, words):
+    learner = CartFilter(guess(), arms)
+    for k in range(60):
+        estimate = learner.update(Measurement(0.01 * k, np.zeros(3), np.zeros(3), {"left": np.zeros(6)}, holds))
+    assert estimate.health == "no_wrench"
+    assert [(one.kind, one.words) for one in estimate.suspicions] == [("missing", words)]
+
+
+@ONLINE
 def test_a_spike_after_a_gap_is_a_spike(online):
     """It moves no cart: followed, 2 kN for a hundredth of a second made 2 m/s."""
     log, _ = simulate(TRUTH, 3, duration=5.0, noise=(0.0004, 0.005, 1.0))
@@ -346,6 +409,19 @@ def test_a_wrench_that_jumps_and_stays_is_believed(online):
         estimate = learner.update(sample)
     assert estimate.parameters["mass"].value == pytest.approx(24.0, rel=0.02)
     assert estimate.health == "ok"
+
+
+@ONLINE
+def test_components_that_push_no_planar_cart_may_jump(online):
+    log, _ = simulate(TRUTH, 3, duration=6.0, noise=(0.0004, 0.005, 1.0))
+    learners = [online(guess(), ["hand"], noise=replace(NOISE, force=1.0, moment=0.05)) for _ in range(2)]
+    for k, sample in enumerate(log.measurements()):
+        weighed = np.array(sample.wrenches["hand"])
+        weighed[2:5] = 200.0 * (k % 2), -30.0 * (k % 3), 10.0 * (k % 5)
+        still = learners[0].update(sample)
+        jumping = learners[1].update(replace(sample, wrenches={"hand": weighed}))
+        np.testing.assert_array_equal(jumping.model_parameters, still.model_parameters)
+        assert jumping.health == still.health
 
 
 @ONLINE

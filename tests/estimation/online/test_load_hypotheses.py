@@ -20,7 +20,7 @@ from estimation.online.kernels.row_algebra import FilteredRow
 from estimation.online.regressor.load_hypotheses import (
     CHANGE_ONSET_ROWS,
     MAX_HYPOTHESES_ROWS,
-    MIN_LOAD_BLOCKS,
+    MIN_HYPOTHESES_BLOCKS,
     PUSH_END_ROWS,
     PUSH_STEP_STD_RATIO,
     HypothesesStart,
@@ -104,7 +104,7 @@ def test_a_load_goes_on_and_a_push_ends():
     random = np.random.default_rng(0)
     rises = random.uniform(0.3, 0.8, MAX_HYPOTHESES_ROWS)
     noise = math.sqrt(NOISE) * random.standard_normal(MAX_HYPOTHESES_ROWS)
-    load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:MIN_LOAD_BLOCKS], noise, strict=False)])
+    load = trial([row(r, 26.0 * r + e) for r, e in zip(rises[:MIN_HYPOTHESES_BLOCKS], noise, strict=False)])
     assert load.is_reported
     assert load.is_over
     assert load.belief.parameters.mean[0] == pytest.approx(26.0, abs=3 * load.belief.parameters.covariance[0, 0] ** 0.5)
@@ -117,7 +117,7 @@ def test_a_load_goes_on_and_a_push_ends():
     endless = trial([row(r, MASS * r + p) for r, p in zip(rises, wild, strict=True)])
     assert endless.is_over
     assert endless.is_endless
-    early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: MIN_LOAD_BLOCKS - 1], noise, strict=False)])
+    early = trial([row(r, 26.0 * r + e) for r, e in zip(rises[: MIN_HYPOTHESES_BLOCKS - 1], noise, strict=False)])
     assert not early.is_over  # a push may last so long
     assert early.without_link(is_still=True).is_over  # nothing more is learned
     assert not early.without_link(is_still=False).is_over
@@ -138,7 +138,7 @@ def test_what_is_not_told_apart_is_as_wide_as_both(told):
 
 def test_no_load_is_told_before_it_is_sure():
     """However likely it is by then."""
-    rises = np.full(MIN_LOAD_BLOCKS - 1, 0.5)
+    rises = np.full(MIN_HYPOTHESES_BLOCKS - 1, 0.5)
     found = trial([row(r, 26.0 * r) for r in rises])
     (load,) = found.changed
     assert load.odds > 3.0
@@ -150,7 +150,7 @@ def test_no_load_is_told_before_it_is_sure():
 
 def test_what_surprises_thrice_speaks_against_the_model():
     """Told apart or not; but not another floor."""
-    load = trial([row(0.5, 13.0)] * MIN_LOAD_BLOCKS)
+    load = trial([row(0.5, 13.0)] * MIN_HYPOTHESES_BLOCKS)
     unsure = trial([row(1e-6, 0.0)] * MAX_HYPOTHESES_ROWS)
     floor = replace(load, changed=tuple(one._replace(is_load=False) for one in load.changed))
     assert load.is_loaded

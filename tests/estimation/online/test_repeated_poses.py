@@ -33,27 +33,27 @@ def sample(time, random=None, pose=0.0005, velocity=0.005):
 @pytest.mark.parametrize("is_same", [True, False], ids=["all of it", "pose alone"])
 def test_a_pose_again_is_none_where_the_cart_moves(motion, is_same):
     watch = RepeatedPoses()
-    watch.news(Measurement(0.0, POSE, VELOCITY), motion)
+    watch.without_repeats(Measurement(0.0, POSE, VELOCITY), motion)
     again = Measurement(0.01, POSE.copy(), VELOCITY if is_same else 1.01 * VELOCITY)
-    told = watch.news(again, motion)
+    told = watch.without_repeats(again, motion)
     if motion is REST:
         assert told is again
     else:
         assert told.pose is None
         assert (told.velocity is None) == is_same
-    assert watch.news(Measurement(0.02, 1.01 * POSE, VELOCITY), motion).pose is not None
+    assert watch.without_repeats(Measurement(0.02, 1.01 * POSE, VELOCITY), motion).pose is not None
 
 
 def test_a_sensor_that_tells_its_noise_at_rest_never_repeats_itself():
     watch, random = RepeatedPoses(), np.random.default_rng(0)
     for k in range(REST_CALIBRATION_POSES):
         last = Measurement(0.01 * k, POSE + 1e-4 * random.normal(size=3))
-        assert watch.news(last, REST) is last
-    assert watch.news(replace(last, time=9.0), REST).pose is None
+        assert watch.without_repeats(last, REST) is last
+    assert watch.without_repeats(replace(last, time=9.0), REST).pose is None
     coarse = RepeatedPoses()
     for k in range(2 * REST_CALIBRATION_POSES):
         last = Measurement(0.01 * k, POSE + 1e-3 * (k % 7 == 0))
-        assert coarse.news(last, REST) is last
+        assert coarse.without_repeats(last, REST) is last
 
 
 @pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
