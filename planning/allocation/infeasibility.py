@@ -26,6 +26,8 @@ from .duality import Cut, farkas_cut
 from .effective_rows import in_words
 from .projection import Projection
 
+NEGLIGIBLE_MULTIPLIER_RATIO = 1e-7  # of the largest: below it is rounding
+
 SINGLE_DIRECTIONS = {
     "fx": "forward force",
     "-fx": "backward force",
@@ -147,21 +149,24 @@ def certify(template: AllocationTemplate, contacts: Array, projection: Projectio
 def conflicting_limits(
     template: AllocationTemplate, contacts: Array, cut: Cut, solution: QPSolution
 ) -> dict[str, Bound]:
-    """The limits that hold the arms back in the direction of a ray, by name."""
+    """The limits that hold the arms back in the direction of a ray, by name. Those that aren't there don't: against
+    them a ray has a slope, or a multiplier, that is rounding."""
     fixed, cart, found = template.fixed, template.cart_rows, dict[str, Bound]()
-    slope = (cut.linear + cut.multipliers @ template.contact_rows(contacts)).ravel()
-    smallest = 1e-7 * float(np.abs(slope).max())
-    for j in np.flatnonzero(np.abs(slope) > smallest):
+    rows = template.contact_rows(contacts)
+    slope = (cut.linear + cut.multipliers @ rows).ravel()
+    largest = max(float(np.abs(cut.linear).max()), float((np.abs(cut.multipliers) @ np.abs(rows)).max()))
+    for j in np.flatnonzero(np.abs(slope) > NEGLIGIBLE_MULTIPLIER_RATIO * largest):
         names, values = (fixed.lower_names, fixed.lower) if slope[j] > 0 else (fixed.upper_names, fixed.upper)
-        found[names[j]] = Bound(float(values[j]), _unit(np.eye(len(slope))[j], template.n))
-    smallest = 1e-7 * float(np.abs(solution.multipliers).max())
+        if np.isfinite(values[j]):
+            found[names[j]] = Bound(float(values[j]), _unit(np.eye(len(slope))[j], template.n))
+    smallest = NEGLIGIBLE_MULTIPLIER_RATIO * float(np.abs(solution.multipliers).max())
     dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
     lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
     highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
     units = [_unit(row, template.n) for row in fixed.rows] + ["N"] * len(cart.low)
     for y, low, high, unit in zip(dual, lows, highs, units, strict=True):
-        if abs(y) > smallest:
-            name, value = high if y > 0 else low
+        name, value = high if y > 0 else low
+        if abs(y) > smallest and np.isfinite(value):
             found[name] = Bound(float(value), unit)
     cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
     pairs = zip(cone_names, solution.cone_multipliers, strict=True)
