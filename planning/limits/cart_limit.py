@@ -11,11 +11,13 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, ClassVar, Self
+from typing import TYPE_CHECKING, Any, ClassVar, Self, final
 
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import check_kind, shown
+from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.frames import Array
 from planning.quadratic_program import Cone
@@ -46,9 +48,9 @@ class RowCone:
 
 @dataclass(frozen=True, eq=False)
 class CartRows:
-    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,). The
-    last rows are of cones, j each, with `cone_offsets` (c, j) and `cone_names`: they have no limits, and names only at
-    the first of each."""
+    """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,), with
+    infinity where there is no limit. The last rows are of cones, j each, with `cone_offsets` (c, j) and `cone_names`:
+    they have no limits, and names only at the first of each."""
 
     of_sum: Array
     of_arm: Array
@@ -59,11 +61,34 @@ class CartRows:
     cone_names: tuple[str, ...] = ()
     cone_offsets: Array = field(default_factory=lambda: NO_CONES)
 
+    def checked(self, what: str, n_arms: int) -> Self:
+        """Itself, where it is rows for so many arms."""
+        k = np.size(self.low)
+        for name, shape in {"of_sum": (k, 6), "of_arm": (n_arms, k, 6), "low": (k,), "high": (k,)}.items():
+            values = getattr(self, name)
+            if not isinstance(values, np.ndarray) or values.shape != shape or values.dtype.kind not in "fiu":
+                found = f"of shape {values.shape}" if isinstance(values, np.ndarray) else shown(values)
+                raise UsageError(f"{what}: {name} is {found}; for {k} rows and {n_arms} arms give an array {shape}")
+        if not all(np.isfinite(values).all() for values in (self.of_sum, self.of_arm, self.cone_offsets)):
+            raise UsageError(f"{what}: of_sum or of_arm has a number that is not finite; only low and high may be inf")
+        if not ((self.low < np.inf).all() and (self.high > -np.inf).all()):
+            raise UsageError(
+                f"{what}: low and high have a number that is none; for no limit, give low -inf and high inf"
+            )
+        n_plain = self.n_plain
+        for name in ("low_names", "high_names"):
+            names = getattr(self, name)
+            if not isinstance(names, tuple) or len(names) != k or not all(names[:n_plain]):
+                raise UsageError(f"{what}: {name}: {names!r} is not a name for each of {k} rows; name each, in a tuple")
+        return self
+
     @classmethod
     def stacked(cls, parts: Sequence[CartRows], n_arms: int) -> Self:
         """All of them above each other, of which the last may have cones; none are no rows."""
         if not parts:
             return cls(np.zeros((0, 6)), np.zeros((n_arms, 0, 6)), np.zeros(0), np.zeros(0), (), ())
+        if any(part.cone_names for part in parts[:-1]):
+            raise UsageError("cart_limits: rows with cones stand before others; list that limit last")
         return cls(
             np.concatenate([part.of_sum for part in parts]),
             np.concatenate([part.of_arm for part in parts], axis=1),
@@ -156,12 +181,27 @@ class CartLimit(ABC):
 
     looks_at_arms: ClassVar[bool] = True
     """Whether the rows depend on more of the arms than how many there are."""
+    _is_from_outside: ClassVar[bool] = True
+
+    def __init_subclass__(cls, **kwargs: Any) -> None:
+        super().__init_subclass__(**kwargs)
+        cls._is_from_outside = not cls.__module__.startswith(f"{__package__}.")
 
     @abstractmethod
     def rows(self, pushed: Pushed) -> CartRows:
         """The limit as it is now."""
 
+    @final
+    def checked_rows(self, pushed: Pushed) -> CartRows:
+        """`rows`, of which those of limits from outside are looked at: kernels look at none."""
+        rows = self.rows(pushed)
+        if self._is_from_outside:
+            what = f"cart_limits: {type(self).__name__}: rows"
+            check_kind(what, rows, CartRows, "return CartRows(...)")
+            rows.checked(what, len(pushed.arms))
+        return rows
+
 
 def cart_rows(limits: Sequence[CartLimit], pushed: Pushed) -> CartRows:
     """All of them, above each other."""
-    return CartRows.stacked([limit.rows(pushed) for limit in limits], len(pushed.arms))
+    return CartRows.stacked([limit.checked_rows(pushed) for limit in limits], len(pushed.arms))

@@ -13,6 +13,7 @@ from typing import TYPE_CHECKING, ClassVar, Self, final
 
 import numpy as np
 
+from cartgrasp.checks import check_kind
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction, n_loads
 from cartgrasp.frames import Array
@@ -45,6 +46,8 @@ class FloorRows:
             raise UsageError(f"{what}: its rows on the floor are of shapes {shapes}; give {form}")
         if not np.isfinite(self.mix).all() or np.isnan(self.low).any() or np.isnan(self.high).any():
             raise UsageError(f"{what}: its rows on the floor have a number that is none; for no limit, give inf")
+        if not (all(self.low_names) and all(self.high_names)):
+            raise UsageError(f"{what}: its rows on the floor have an empty name; name each, as plans tell them")
         return self
 
     @classmethod
@@ -90,4 +93,6 @@ class FloorLimit(CartLimit):
     @final
     def checked_on_floor(self, cart: CartModel) -> FloorRows:
         """`on_floor`, of which limits from outside are looked at."""
-        return self.on_floor(cart).checked(type(self).__name__, n_loads(cart))
+        what, rows = type(self).__name__, self.on_floor(cart)
+        check_kind(f"{what}: its rows on the floor", rows, FloorRows, "return FloorRows(...)")
+        return rows.checked(what, n_loads(cart))

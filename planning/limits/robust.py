@@ -64,7 +64,7 @@ class RobustLimits:
         """Cones in the place of sides that depend on the cart's parameters, of which `covariance` (p, p) is; `on_floor`
         is what this says of such a cart, `share` how much of the margins is kept; None: no limit of the floor is."""
         stated = self.on_floor(pushed.cart) if on_floor is None else on_floor
-        others = [limit.rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
+        others = [limit.checked_rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
         parts, n_arms = others, len(pushed.arms)
         if len(stated.low):
             on_floor_now = self._with_margins(stated, pushed, covariance, share or 0.0)

@@ -277,10 +277,12 @@ def test_covariances_that_are_refused(wrong, words):
 
 
 class Wrong(FloorLimit):
-    def __init__(self, **changes):
+    def __init__(self, changes):
         self.changes = changes
 
     def on_floor(self, cart):
+        if self.changes is None:
+            return None
         fields = {"mix": np.zeros((1, 5)), "low": np.zeros(1), "high": np.ones(1), "low_names": ("a",)}
         return FloorRows(**(fields | {"high_names": ("b",)} | self.changes))
 
@@ -293,8 +295,10 @@ class Wrong(FloorLimit):
         ({"low_names": ()}, "k names each"),
         ({"low": np.full(1, np.nan)}, "a number that is none"),
         ({"mix": np.full((1, 5), np.inf)}, "a number that is none"),
+        ({"high_names": ("",)}, "empty name"),
+        (None, "None is no FloorRows"),
     ],
 )
 def test_rows_from_outside_are_looked_at(changes, words):
     with pytest.raises(cg.UsageError, match="Wrong: its rows on the floor.*" + words):
-        WrenchPlanner(cart(), hands(), cart_limits=[Wrong(**changes)])
+        WrenchPlanner(cart(), hands(), cart_limits=[Wrong(changes)])
