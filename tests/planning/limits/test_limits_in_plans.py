@@ -17,7 +17,8 @@ from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.motion import Motion
 from planning import WrenchPlanner, allocate
-from planning.limits import InternalForce, SideForce, Skid, TipOver
+from planning import limits as all_limits
+from planning.limits import CartLimit, FloorLimit, InternalForce, SideForce, Skid, TipOver
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS
 
@@ -120,6 +121,19 @@ EXAMS = {
         {"soft_finger": cg.SoftFinger(0.6, 0.03, 25.0, "z", "exact")},
     ),
 }
+
+
+def test_every_cart_limit_sits_it():
+    """Whoever adds a limit of the cart: give it an exam, among EXAMS."""
+    kinds = {thing for thing in vars(all_limits).values() if isinstance(thing, type) and issubclass(thing, CartLimit)}
+    assert kinds - {CartLimit, FloorLimit} == {type(one) for exam in EXAMS.values() for one in exam.cart_limits}
+    assert kinds == {CartLimit, *_subclasses(CartLimit)}, "a limit is not in planning.limits"
+
+
+def _subclasses(kind):
+    """Those of the library, and theirs."""
+    of_library = [one for one in kind.__subclasses__() if one.__module__.startswith("planning.")]
+    return [found for one in of_library for found in (one, *_subclasses(one))]
 
 
 def planner_of(exam, limited=True):
