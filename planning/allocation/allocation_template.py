@@ -33,7 +33,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
-from ..limits import CartLimit, CartRows, LimitRows, Pushed, cart_rows, limits_of, side_by_side
+from ..limits import CartLimit, CartRows, LimitRows, PushedCart, cart_rows, limits_of, side_by_side
 from ..objectives import Cost, Lexicographic, Objective, WeightedWrench
 from ..quadratic_program import QuadraticProgram
 from .effective_rows import in_words
@@ -76,7 +76,7 @@ class AllocationTemplate:
         basis_b = cart.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
-        limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, Pushed(cart, None, arms))
+        limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, PushedCart(cart, None, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:

@@ -7,7 +7,7 @@ import math
 from cartgrasp.arms import Arm
 from cartgrasp.friction import EXACT
 
-from .cart_limit import CartLimit, CartRows, Pushed, cart_rows
+from .cart_limit import CartLimit, CartRows, PushedCart, cart_rows
 from .floor_limit import FloorLimit, FloorRows
 from .friction_cone import FrictionCone
 from .friction_pyramid import FrictionPyramid
@@ -38,7 +38,7 @@ __all__ = [
     "LimitRows",
     "Payload",
     "PushOnly",
-    "Pushed",
+    "PushedCart",
     "SideForce",
     "Skid",
     "SoftFingerLimit",

@@ -153,14 +153,22 @@ class CartRows:
 
 
 @dataclass(frozen=True, eq=False)
-class Pushed:
-    """What is pushed and by whom: a cart, its motion (at rest if None), and the arms."""
+class PushedCart:
+    """A cart as it is pushed now: the model that is believed, its motion, and the arms that push it.
+
+    Before the first estimate `motion` is None, and the cart at rest. `motion.velocity` is nu (k,), its free velocities;
+    `velocity_b` is the same in {b}."""
 
     cart: CartModel
     motion: Motion | None
     arms: Sequence[Arm]
 
-    def by(self, arms: Sequence[Arm]) -> Pushed:
+    @cached_property
+    def velocity_b(self) -> Array:
+        """The planar velocity (3,) in {b}: forward and to the left (m/s), and the yaw rate (rad/s); zero at rest."""
+        return np.zeros(3) if self.motion is None else self.cart.basis_b @ self.motion.velocity
+
+    def by(self, arms: Sequence[Arm]) -> PushedCart:
         """By other arms; the floor is the same."""
         other = replace(self, arms=arms)
         other.__dict__.update({"floor": self.__dict__["floor"]} if "floor" in self.__dict__ else {})
@@ -188,11 +196,11 @@ class CartLimit(ABC):
         cls._is_from_outside = not cls.__module__.startswith(f"{__package__}.")
 
     @abstractmethod
-    def rows(self, pushed: Pushed) -> CartRows:
+    def rows(self, pushed: PushedCart) -> CartRows:
         """The limit as it is now."""
 
     @final
-    def checked_rows(self, pushed: Pushed) -> CartRows:
+    def checked_rows(self, pushed: PushedCart) -> CartRows:
         """`rows`, of which those of limits from outside are looked at: kernels look at none."""
         rows = self.rows(pushed)
         if self._is_from_outside:
@@ -202,6 +210,6 @@ class CartLimit(ABC):
         return rows
 
 
-def cart_rows(limits: Sequence[CartLimit], pushed: Pushed) -> CartRows:
+def cart_rows(limits: Sequence[CartLimit], pushed: PushedCart) -> CartRows:
     """All of them, above each other."""
     return CartRows.stacked([limit.checked_rows(pushed) for limit in limits], len(pushed.arms))

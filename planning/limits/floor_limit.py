@@ -18,7 +18,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction, n_loads
 from cartgrasp.frames import Array
 
-from .cart_limit import CartLimit, CartRows, Pushed
+from .cart_limit import CartLimit, CartRows, PushedCart
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -87,7 +87,7 @@ class FloorLimit(CartLimit):
         """The rows for a cart of such a structure, whatever its numbers are."""
 
     @final
-    def rows(self, pushed: Pushed) -> CartRows:
+    def rows(self, pushed: PushedCart) -> CartRows:
         return self.checked_on_floor(pushed.cart).under(pushed.floor, len(pushed.arms))
 
     @final

@@ -20,7 +20,7 @@ from cartgrasp.checks import MAX_FLOAT, number, numbers
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_z
 
-from .cart_limit import CartLimit, CartRows, Pushed
+from .cart_limit import CartLimit, CartRows, PushedCart
 
 HANDLE_AXIS_B = (0.0, 1.0, 0.0)
 
@@ -38,7 +38,7 @@ class InternalForce(CartLimit):
         if not any(numbers("internal force: axis", self.axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)):
             raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
 
-    def rows(self, pushed: Pushed) -> CartRows:
+    def rows(self, pushed: PushedCart) -> CartRows:
         arms = pushed.arms
         departures = departures_along(self.axis, arms)
         if len(arms) <= 2:

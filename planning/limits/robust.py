@@ -28,7 +28,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import n_loads
 from cartgrasp.frames import Array
 
-from .cart_limit import CartLimit, CartRows, Pushed
+from .cart_limit import CartLimit, CartRows, PushedCart
 from .floor_limit import FloorLimit, FloorRows
 
 if TYPE_CHECKING:
@@ -56,7 +56,7 @@ class RobustLimits:
 
     def rows(
         self,
-        pushed: Pushed,
+        pushed: PushedCart,
         covariance: Array | None = None,
         on_floor: FloorRows | None = None,
         share: float | None = 1.0,
@@ -71,7 +71,7 @@ class RobustLimits:
             parts = [*others, on_floor_now.lifted() if share is None else on_floor_now]
         return CartRows.stacked(parts, n_arms) if len(parts) != 1 else parts[0]
 
-    def _with_margins(self, stated: FloorRows, pushed: Pushed, covariance: Array | None, share: float) -> CartRows:
+    def _with_margins(self, stated: FloorRows, pushed: PushedCart, covariance: Array | None, share: float) -> CartRows:
         n_arms = len(pushed.arms)
         if self.confidence is None or covariance is None:
             return stated.under(pushed.floor, n_arms)

@@ -8,7 +8,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 
-from ..limits import CartLimit, InternalForce, Pushed, SideForce, Skid, TipOver
+from ..limits import CartLimit, InternalForce, PushedCart, SideForce, Skid, TipOver
 from .problem_objective import Refuse
 from .problem_schema import CartLimitsEntry
 
@@ -40,7 +40,7 @@ def limits_for(
 ) -> tuple[CartLimit, ...]:
     """Limits that a cart and its arms can have; one that they can't is refused by its key."""
     found, (cart, arms) = [], pushed_by
-    pushed = Pushed(cart, None, arms)
+    pushed = PushedCart(cart, None, arms)
     for key, make in limits.items():
         try:
             found.append(make())

@@ -24,7 +24,7 @@ from cartgrasp.reach import Reach
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..contacts.contact_bounds import Candidates
-from ..limits import CartRows, LimitRows, Pushed, WrenchRate
+from ..limits import CartRows, LimitRows, PushedCart, WrenchRate
 from ..limits.robust import RobustLimits
 from ..objectives import Cost, Objective
 from ..plan import INVALID_INPUT
@@ -59,7 +59,7 @@ class Terms:
         distance_and_period: tuple[float, float],
     ) -> None:
         base = AllocationTemplate.of(cart, arms, objective)
-        self._pushed, self._on_floor = Pushed(cart, None, base.arms), cart_limits.on_floor(cart)
+        self._pushed, self._on_floor = PushedCart(cart, None, base.arms), cart_limits.on_floor(cart)
         self._covariance: Array | None = None
         self.estimate: Estimate | None = None
         self.wheel_forces: Callable[[Array], WheelForces] = partial(WheelForces.of, cart)
@@ -158,7 +158,7 @@ class Terms:
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                pushed, on_floor = Pushed(cart, estimate.motion, self.base.arms), self._on_floor
+                pushed, on_floor = PushedCart(cart, estimate.motion, self.base.arms), self._on_floor
                 if cart.structure is not self._pushed.cart.structure:
                     on_floor = self._cart_limits.on_floor(cart)
                 rows = self._cart_limits.rows(pushed, covariance, on_floor)

@@ -15,7 +15,7 @@ from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
 from cartgrasp.inertia import physical_jacobian
 from cartgrasp.motion import Motion
 from planning import InternalForce, SideForce, Skid, TipOver, WrenchPlanner
-from planning.limits import FloorLimit, FloorRows, Pushed
+from planning.limits import FloorLimit, FloorRows, PushedCart
 from planning.limits.robust import RobustLimits, root
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS
@@ -237,7 +237,7 @@ def test_a_doubt_that_no_wrench_outweighs_is_a_contradiction():
 
 
 def test_limits_free_of_the_cart_stay_rows():
-    rows = RobustLimits((InternalForce(5.0),), 0.99).rows(Pushed(cart(), REST, hands()), covariance())
+    rows = RobustLimits((InternalForce(5.0),), 0.99).rows(PushedCart(cart(), REST, hands()), covariance())
     assert rows.cones == ()
     assert rows.high.tolist() == [5.0]
 

@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cartgrasp as cg
-from planning import CartLimit, CartRows, SideForce, WrenchPlanner, allocate
+from planning import CartLimit, CartRows, PushedCart, SideForce, WrenchPlanner, allocate
 
 from ..drawn import cart
 
@@ -87,3 +87,11 @@ def test_right_rows_hold():
 def test_cones_are_not_lost_before_other_rows():
     with pytest.raises(cg.UsageError, match="rows with cones stand before others; list that limit last"):
         WrenchPlanner(cart(), HANDS, cart_limits=[Given(CONES), SideForce(90.0)])
+
+
+def test_velocity_in_the_body_frame():
+    """An axle 0.3 m ahead of {b}'s origin doesn't slip to the side: v + 0.3 r = 0 there."""
+    model = cart(1, 0.3)
+    motion = cg.Motion(np.zeros(3), np.array([0.5, 0.2]))
+    assert PushedCart(model, motion, HANDS).velocity_b == pytest.approx([0.5, -0.06, 0.2])
+    assert PushedCart(model, None, HANDS).velocity_b.tolist() == [0.0, 0.0, 0.0]

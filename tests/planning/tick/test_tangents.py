@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.contacts import grasp_map_spatial
 from planning import SideForce, Skid, TipOver, WrenchPlanner
-from planning.limits import FloorLimit, FloorRows, Pushed
+from planning.limits import FloorLimit, FloorRows, PushedCart
 from planning.limits.robust import RobustLimits
 from planning.tick.compiled_allocation import SOLVER
 from planning.tick.tangents import Tangents, values_of
@@ -25,7 +25,7 @@ MANY = [Skid(0.3), TipOver(20.0), SideForce(12.0)]
 
 
 def rows(motion, scale=1.0, limits=tuple(MANY)):
-    return RobustLimits(limits, 0.99).rows(Pushed(cart(), motion, hands()), covariance(scale))
+    return RobustLimits(limits, 0.99).rows(PushedCart(cart(), motion, hands()), covariance(scale))
 
 
 def planners():
@@ -134,7 +134,7 @@ def test_cones_spread_as_rows_do_for_carts_that_differ(limit, motion):
 
     def row(step):
         there = cart().with_parameters(cart().parameters + step)
-        rows = limit.rows(Pushed(there, motion, hands()))
+        rows = limit.rows(PushedCart(there, motion, hands()))
         low, high = np.flatnonzero(np.isfinite(rows.low)), np.flatnonzero(np.isfinite(rows.high))
         sides = [np.append(-rows.of_sum[i], rows.low[i]) for i in low]
         return np.array(sides + [np.append(rows.of_sum[i], -rows.high[i]) for i in high])

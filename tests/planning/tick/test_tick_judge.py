@@ -11,7 +11,7 @@ from scipy import sparse
 
 from cartgrasp.contacts import grasp_map_spatial
 from planning import Skid, TipOver
-from planning.limits import Pushed
+from planning.limits import PushedCart
 from planning.limits.robust import RobustLimits
 
 from ..limits.test_robust import BEND, LEFT, REST, RIGHT, cart, covariance, estimate, hands
@@ -79,7 +79,7 @@ def test_margins_of_mirror_and_planner(limit, scale, motion):
     mirror = Mirror(cart(), {arm.name: arm for arm in arms}, [limit], None, 0.99, 1e-3)
     mirror.take_estimate(told._replace(model_parameters=mirror.phi))
     held = mirror.holds({"left": LEFT, "right": RIGHT}).cones
-    rows = RobustLimits((limit,), 0.99).rows(Pushed(cart(), motion, arms), told.covariance)
+    rows = RobustLimits((limit,), 0.99).rows(PushedCart(cart(), motion, arms), told.covariance)
     maps = np.hstack([grasp_map_spatial(point) for point in (LEFT, RIGHT)])
     assert len(rows.cones) == len(held) > 1
     for cone, (matrix, offset) in zip(rows.cones, held, strict=True):
