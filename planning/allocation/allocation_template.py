@@ -33,7 +33,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.model import CartModel
 
-from ..limits import CartLimit, CartRows, LimitRows, PushedCart, cart_rows, limits_of, side_by_side
+from ..limits import CartLimit, CartRows, LimitRows, PushedCart, cart_rows, joined, limits_of
 from ..objectives import Cost, Lexicographic, Objective, WeightedWrench
 from ..quadratic_program import QuadraticProgram
 from .effective_rows import in_words
@@ -76,12 +76,12 @@ class AllocationTemplate:
         basis_b = cart.basis_b
         if np.any(basis_b[2, :-1]):
             raise UsageError("constraints: only the last free velocity may turn the cart; choose another basis")
-        limits, rows = side_by_side(names, map(limits_of, arms)), cart_rows(cart_limits, PushedCart(cart, None, arms))
+        limits, rows = joined(names, map(limits_of, arms)), cart_rows(cart_limits, PushedCart(cart, None, arms))
         return cls(arms, basis_b, limits, objective or WeightedWrench(), rows)
 
     def with_arms(self, arms: tuple[Arm, ...], rows: CartRows) -> Self:
         """A template for other arms of the same names, with `rows` for the cart's limits."""
-        other = type(self)(arms, self.basis_b, side_by_side(self.names, map(limits_of, arms)), self.objective, rows)
+        other = type(self)(arms, self.basis_b, joined(self.names, map(limits_of, arms)), self.objective, rows)
         same = {"names", "row_names", "looks_at_wheels"}
         if all(one.yaw == before.yaw for one, before in zip(arms, self.arms, strict=True)):
             same |= {"yaws", "across", "_along_axes"}

@@ -12,6 +12,7 @@ from .floor_limit import FloorLimit, FloorRows
 from .friction_cone import FrictionCone
 from .friction_pyramid import FrictionPyramid
 from .internal_force import InternalForce
+from .joined_limits import joined
 from .joint_torque import JointTorque
 from .limit import Limit, LimitRows
 from .payload import Payload
@@ -19,7 +20,6 @@ from .push_only import PushOnly
 from .side_force import SideForce
 from .skid import Skid
 from .soft_finger import SoftFingerLimit
-from .stacked_limits import side_by_side
 from .tip_over import TipOver
 from .user_limit import own_rows
 from .wrench_box import WrenchBox
@@ -46,8 +46,8 @@ __all__ = [
     "WrenchBox",
     "WrenchRate",
     "cart_rows",
+    "joined",
     "limits_of",
-    "side_by_side",
 ]
 
 

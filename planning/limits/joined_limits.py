@@ -12,7 +12,7 @@ from planning.quadratic_program import Cone
 from .limit import LimitRows
 
 
-def side_by_side(names: Sequence[str], limits: Iterable[LimitRows]) -> LimitRows:
+def joined(names: Sequence[str], limits: Iterable[LimitRows]) -> LimitRows:
     """Limits over all arms' wrenches (6n,), with the arm's name before each name."""
     limits = tuple(limits)
     n, cones = 6 * len(limits), list[Cone]()
