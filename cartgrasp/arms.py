@@ -24,7 +24,7 @@ FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (sli
 
 
 @runtime_checkable
-class OwnLimit(Protocol):
+class UserLimit(Protocol):
     """A limit that the library doesn't know: a `planning.Limit`."""
 
     def rows(self, arm: Arm) -> Any: ...
@@ -75,7 +75,7 @@ class Arm:
     reach: Reach | None
     soft_finger: SoftFinger | None
     postures: PostureSource | None
-    limits: tuple[OwnLimit, ...]
+    limits: tuple[UserLimit, ...]
 
     # Many parameters: the keys of an arm in the contract, all but the first two with defaults.
     def __init__(
@@ -95,7 +95,7 @@ class Arm:
         joints: JointTorques | PostureSource | None = None,
         reach: Reach | None = None,
         soft_finger: SoftFinger | None = None,
-        limits: Sequence[OwnLimit] = (),
+        limits: Sequence[UserLimit] = (),
     ) -> None:
         if not isinstance(name, str) or not name or "." in name or ":" in name:
             raise UsageError(f"arm: name {name!r} must be a word without a dot or a colon")
@@ -126,7 +126,7 @@ class Arm:
             "reach": reach,
             "soft_finger": soft_finger,
             "postures": joints if isinstance(joints, PostureSource) else None,
-            "limits": listed(f"{where}: limits", limits, OwnLimit, "write limits=[MyLimit()], a planning.Limit each"),
+            "limits": listed(f"{where}: limits", limits, UserLimit, "write limits=[MyLimit()], a planning.Limit each"),
         }
         for key, value in values.items():
             object.__setattr__(self, key, value)

@@ -21,7 +21,7 @@ from .side_force import SideForce
 from .skid import Skid
 from .soft_finger import SoftFingerLimit
 from .tip_over import TipOver
-from .user_limit import own_rows
+from .user_limit import user_rows
 from .wrench_box import WrenchBox
 from .wrench_rate import WrenchRate
 
@@ -54,7 +54,7 @@ __all__ = [
 def limits_of(arm: Arm) -> LimitRows:
     """All that an arm states about itself, as one set of rows; its rate is about the last wrench, see `WrenchRate`."""
     return LimitRows.all_of(
-        [*(limit.rows(arm) for limit in _stated(arm)), *(own_rows(limit, arm) for limit in arm.limits)]
+        [*(limit.rows(arm) for limit in _stated(arm)), *(user_rows(limit, arm) for limit in arm.limits)]
     )
 
 

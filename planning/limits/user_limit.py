@@ -4,14 +4,14 @@ from __future__ import annotations
 
 import numpy as np
 
-from cartgrasp.arms import Arm, OwnLimit
+from cartgrasp.arms import Arm, UserLimit
 from cartgrasp.checks import check_kind
 from cartgrasp.errors import UsageError
 
 from .limit import LimitRows
 
 
-def own_rows(limit: OwnLimit, arm: Arm) -> LimitRows:
+def user_rows(limit: UserLimit, arm: Arm) -> LimitRows:
     """The rows of an arm's limit, or a `UsageError` that says what is wrong with them."""
     where = f"arm {arm.name}: limits: {type(limit).__name__}"
     rows: LimitRows = limit.rows(arm)

@@ -94,5 +94,5 @@ def test_what_is_wrong_with_its_rows_is_said(said, words):
 
 
 def test_what_is_no_limit_is_refused():
-    with pytest.raises(UsageError, match=r"arm hand: limits: 3 is no OwnLimit; write limits=\[MyLimit\(\)\]"):
+    with pytest.raises(UsageError, match=r"arm hand: limits: 3 is no UserLimit; write limits=\[MyLimit\(\)\]"):
         hand(3)
