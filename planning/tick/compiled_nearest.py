@@ -29,16 +29,16 @@ SLACK_MARGIN_RATIO = 1e-7
 """Share of what is missing that is left out besides: rounding at the edge of what can be given is not to matter."""
 
 
-Nothing = Literal["forbidden", "unproven"]
+NoAnswer = Literal["forbidden", "unproven"]
 FORBIDDEN: Literal["forbidden"] = "forbidden"
 """No wrench keeps the limits, as is proven."""
 UNPROVEN: Literal["unproven"] = "unproven"
 """No proof was found, of a nearest one or that there is none."""
-Near = tuple[Plan, float] | Nothing
+Near = tuple[Plan, float] | NoAnswer
 """The plan of the nearest wrench, and how far that is from what was asked (N, N·m); or why there is none."""
 
 
-def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple[Array, Array] | Nothing:
+def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple[Array, Array] | NoAnswer:
     """Wrenches (6n,) of arms at points (n, 3), and what is missing of a planar wrench in {b}, (k,)."""
     from ..kernels.allocation import allocate
     from ..kernels.loading import load, load_gradient, load_spans
