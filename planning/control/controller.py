@@ -235,7 +235,7 @@ class Controller:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         """Writes where the hands are, what they gave, and the cart as it is now known, each parameter with its standard
-        deviation; the filter's correlations and recent samples are not kept (saved.py)."""
+        deviation; the filter's correlations and recent samples are not kept (saved_state.py)."""
         last, now = self._last, self._observed
         if last is None or now is None:
             raise UsageError("controller: there is nothing to save before the first step")
