@@ -10,7 +10,7 @@ import pytest
 
 from .test_architecture import sources
 
-MOST_METHODS, MOST_PARAMETERS = 15, 8
+MAX_METHODS, MAX_PARAMETERS = 15, 8
 METHODS, PARAMETERS = "# Many methods: ", "# Many parameters: "
 FUNCTIONS = ast.FunctionDef | ast.AsyncFunctionDef
 
@@ -21,9 +21,9 @@ def large(source: str) -> Iterator[tuple[str, int, str]]:
         if not isinstance(node, ast.ClassDef | FUNCTIONS):
             continue
         first = min([node.lineno, *(one.lineno for one in node.decorator_list)])
-        if isinstance(node, ast.ClassDef) and sum(isinstance(one, FUNCTIONS) for one in node.body) > MOST_METHODS:
+        if isinstance(node, ast.ClassDef) and sum(isinstance(one, FUNCTIONS) for one in node.body) > MAX_METHODS:
             yield node.name, first, METHODS
-        elif isinstance(node, FUNCTIONS) and len(parameters(node)) > MOST_PARAMETERS:
+        elif isinstance(node, FUNCTIONS) and len(parameters(node)) > MAX_PARAMETERS:
             yield node.name, first, PARAMETERS
 
 
@@ -52,11 +52,11 @@ def test_what_is_large_says_why() -> None:
 
 @pytest.mark.parametrize(("comment", "missing"), [("# Many methods: a reason.\n", []), ("# A reason.\n", ["Big"])])
 def test_a_large_class_without_a_word_is_found(comment: str, missing: list[str]) -> None:
-    methods = "".join(f"    def m{i}(self): ...\n" for i in range(MOST_METHODS + 1))
+    methods = "".join(f"    def m{i}(self): ...\n" for i in range(MAX_METHODS + 1))
     assert unexplained(f"{comment}@final\nclass Big(Base):\n{methods}") == missing
 
 
 def test_a_function_of_many_parameters_is_found() -> None:
-    names = ", ".join(f"p{i}" for i in range(MOST_PARAMETERS + 1))
+    names = ", ".join(f"p{i}" for i in range(MAX_PARAMETERS + 1))
     assert unexplained(f"def wide(self, {names}): ...\n") == ["wide"]
     assert unexplained(f"# Many parameters: why.\ndef wide({names}): ...\n") == []

@@ -11,18 +11,18 @@
 #include <math.h>
 #include <string.h>
 
-#define MOST_HELD (3 * WIDTH)
-#define MOST (WIDTH + MOST_HELD)
-#define MOST_SETS 12
-#define MOST_STEPS 12
+#define MAX_HELD (3 * WIDTH)
+#define MAX_SIZE (WIDTH + MAX_HELD)
+#define MAX_SETS 12
+#define MAX_STEPS 12
 #define ROUNDING 1e-12
 #define NEARLY_FREE 1e-9 /* of the cost, where the nearest wrench is sought */
 #define NEGLIGIBLE 1e-6 /* of a ray's largest multiplier */
 #define DELTA 1e-8 /* of the Hessian's largest entry */
 
 typedef struct {
-  int n, entries[MOST_HELD];
-  double limits[MOST_HELD];
+  int n, entries[MAX_HELD];
+  double limits[MAX_HELD];
 } held_set;
 
 /* What is minimised: the cost times `cost`, and where `softness` is above zero the square of what the equalities miss,
@@ -31,11 +31,11 @@ typedef struct {
   double cost, softness;
 } goal;
 
-static double factor[MOST][MOST]; /* unit lower triangle, and D on the diagonal */
-static double right[MOST];
+static double factor[MAX_SIZE][MAX_SIZE]; /* unit lower triangle, and D on the diagonal */
+static double right[MAX_SIZE];
 
 static int hold(held_set *held, int entry, double limit) {
-  if (held->n == MOST_HELD) return 0;
+  if (held->n == MAX_HELD) return 0;
   held->entries[held->n] = entry;
   held->limits[held->n++] = limit;
   return 1;
@@ -133,7 +133,7 @@ static int newton(const program *p, const held_set *held, point *at, const goal 
   }
   if (!factorise(n)) return 0;
   double last = INFINITY;
-  for (int step = 0; step < MOST_STEPS; step++) {
+  for (int step = 0; step < MAX_STEPS; step++) {
     residual(p, held, at, of);
     const double error = largest_right(n);
     if (error == 0.0 || !(error < 0.5 * last)) break;
@@ -148,7 +148,7 @@ static int newton(const program *p, const held_set *held, point *at, const goal 
 static int settle(const program *p, point *at, const goal *of) {
   held_set held, next;
   if (!choose(p, at, &held)) return 0;
-  for (int i = 0; i < MOST_SETS; i++) {
+  for (int i = 0; i < MAX_SETS; i++) {
     if (!newton(p, &held, at, of) || !choose(p, at, &next)) return 0;
     if (same(&held, &next)) break;
     held = next;

@@ -12,10 +12,10 @@
 
 #include "wrench_planner.h"
 
-#define MOST_NUMBERS (3 + 3 * CARTGRASP_ARMS)
-#define MOST_TIMES 100000
+#define MAX_NUMBERS (3 + 3 * CARTGRASP_ARMS)
+#define MAX_TIMES 100000
 
-static double times[MOST_TIMES]; /* microseconds; of more plans than fit the last ones */
+static double times[MAX_TIMES]; /* microseconds; of more plans than fit the last ones */
 static int n_plans;
 
 /* How many numbers a line holds; -1 if there is anything else in it, or more of them than fit. */
@@ -27,7 +27,7 @@ static int read_numbers(const char *text, double *numbers) {
       while (*text == ' ' || *text == '\t' || *text == '\r' || *text == '\n') text++;
       return *text ? -1 : n;
     }
-    if (n == MOST_NUMBERS) return -1;
+    if (n == MAX_NUMBERS) return -1;
     numbers[n] = value;
     text = stop;
   }
@@ -62,7 +62,7 @@ static int ascending(const void *a, const void *b) {
 }
 
 static void print_times(void) {
-  const int n = n_plans < MOST_TIMES ? n_plans : MOST_TIMES;
+  const int n = n_plans < MAX_TIMES ? n_plans : MAX_TIMES;
   if (n == 0) return;
   qsort(times, (size_t)n, sizeof(double), ascending);
   printf("%d plans, us each: median %.1f, 99 of 100 under %.1f, most %.1f\n", n_plans, times[n / 2],
@@ -71,21 +71,21 @@ static void print_times(void) {
 
 int main(int argc, char **argv) {
   const int is_timed = argc > 1 && strcmp(argv[1], "--time") == 0;
-  static char line[64 * MOST_NUMBERS];
-  double numbers[MOST_NUMBERS];
+  static char line[64 * MAX_NUMBERS];
+  double numbers[MAX_NUMBERS];
   cartgrasp_plan plan;
   for (int count = 1; fgets(line, sizeof line, stdin); count++) {
     const int n = line[0] == '#' ? 0 : read_numbers(line, numbers);
     if (n == 0) continue;
-    if (n != 3 && n != MOST_NUMBERS) {
-      fprintf(stderr, "line %d: 3 numbers (fx fy tau) are needed, or %d with contacts\n", count, MOST_NUMBERS);
+    if (n != 3 && n != MAX_NUMBERS) {
+      fprintf(stderr, "line %d: 3 numbers (fx fy tau) are needed, or %d with contacts\n", count, MAX_NUMBERS);
       return 2;
     }
     double contacts_b[CARTGRASP_ARMS][3];
     for (int i = 0; i < n - 3; i++) contacts_b[i / 3][i % 3] = numbers[3 + i];
     const double start = clock_in_us();
     cartgrasp_plan_wrench(numbers, n == 3 ? NULL : (const double(*)[3])contacts_b, &plan);
-    times[n_plans++ % MOST_TIMES] = clock_in_us() - start;
+    times[n_plans++ % MAX_TIMES] = clock_in_us() - start;
     if (!is_timed) print_plan(&plan);
   }
   if (is_timed) print_times();
