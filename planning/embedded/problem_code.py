@@ -12,12 +12,14 @@ from numpy.typing import ArrayLike
 from scipy import sparse
 
 from cartgrasp.arms import Arm
+from cartgrasp.contacts import MAX_POSITION
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import PLANAR, Array
 from planning.allocation.allocation import contact_array
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.limits import CartLimit
 from planning.quadratic_program import QuadraticProgram
+from planning.tick.plan_inputs import MAX_WRENCH
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -110,6 +112,8 @@ def header(problem: EmbeddedProblem) -> str:
 #define CARTGRASP_CONTACT_ROWS {contact_rows} /* limits of the cart, then the effective rows */
 #define CARTGRASP_ARM_ROWS {len(program.rows) - contact_rows}
 #define CARTGRASP_MOST_ITERATIONS {MAX_OSQP_ITERATIONS} /* of OSQP in one plan */
+#define CARTGRASP_MAX_WRENCH {MAX_WRENCH:g} /* N, N m: wrenches beyond are refused */
+#define CARTGRASP_MAX_POSITION {MAX_POSITION:g} /* m from {{b}}: contacts beyond are refused */
 
 /* The order of arms in contacts and wrenches. */
 enum cartgrasp_arm {{

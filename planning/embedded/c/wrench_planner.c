@@ -8,8 +8,6 @@
 #include "program.h"
 #include "types.h"
 
-#define LARGEST_WRENCH 1e6
-#define LARGEST_POSITION 1e6
 #define RHO 0.1 /* OSQP's first step size, which it adapts: what it proposes doesn't depend on earlier calls */
 
 /* OSQP only proposes: its tolerance and its iterations decide how good a proposal is, never what is proven. */
@@ -116,8 +114,8 @@ enum cartgrasp_status cartgrasp_plan_wrench(const double wrench_b[3], const doub
                                             cartgrasp_plan *plan) {
   memset(plan, 0, sizeof *plan);
   plan->status = CARTGRASP_INVALID_INPUT;
-  if (!within(wrench_b, 3, LARGEST_WRENCH)) return plan->status;
-  if (contacts_b && !within(contacts_b[0], 3 * CARTGRASP_ARMS, LARGEST_POSITION)) return plan->status;
+  if (!within(wrench_b, 3, CARTGRASP_MAX_WRENCH)) return plan->status;
+  if (contacts_b && !within(contacts_b[0], 3 * CARTGRASP_ARMS, CARTGRASP_MAX_POSITION)) return plan->status;
   if (!is_started) start();
   if (contacts_b && memcmp(contacts, contacts_b, sizeof contacts) != 0) set_contacts(contacts_b);
   program_set_wrench(&problem, wrench_b);

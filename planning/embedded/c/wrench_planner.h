@@ -13,7 +13,7 @@
 enum cartgrasp_status {
   CARTGRASP_OPTIMAL = 0,       /* verified: see the residuals */
   CARTGRASP_INFEASIBLE = 1,    /* proven: see the certificate */
-  CARTGRASP_INVALID_INPUT = 2, /* not finite, a wrench beyond 1e6 or a contact beyond 1e6; nothing was changed */
+  CARTGRASP_INVALID_INPUT = 2, /* not finite, or beyond CARTGRASP_MAX_WRENCH or _MAX_POSITION; nothing was changed */
   CARTGRASP_NUMERICAL = 3      /* neither proven within CARTGRASP_MOST_ITERATIONS */
 };
 

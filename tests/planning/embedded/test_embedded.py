@@ -146,6 +146,19 @@ def test_bad_numbers_are_refused_and_change_nothing(folder, bad):
         assert after[1] == pytest.approx(first[1], rel=1e-12)
 
 
+def test_what_is_too_far_or_too_strong_is_refused_as_in_python(folder):
+    """A contact 50 m away is taken, and a wrench of 1e6 N; beyond both are refused."""
+    planner, near = WrenchPlanner(cart(1, 0.1), pair()), [-0.25, 0.1, 1.0]
+    lines = [[40.0, 0.0, 3.0, *near, x, -0.1, 1.0] for x in (50.0, 50.1, 1e5, -50.1)]
+    lines += [[fx, 0.0, 0.0, *near, *near] for fx in (1e6, 1.0001e6)]
+    names = [one.name for one in pair()]
+    for line, (status, _) in zip(lines, answers(folder, lines), strict=True):
+        plan = planner.plan_or_hold(line[:3], contacts=dict(zip(names, (line[3:6], line[6:]), strict=True)))
+        assert status == plan.status
+        beyond = abs(line[6]) > 50 or abs(line[0]) > 1e6
+        assert (status == "invalid_input") == beyond
+
+
 def test_it_allocates_nothing(folder):
     objects = [str(path) for path in folder.rglob("*.o")]
     assert len(objects) > len(OURS)
