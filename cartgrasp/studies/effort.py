@@ -261,10 +261,10 @@ def run_seeds(
 def best_grips(truth: CartModel, hands: Sequence[Arm]) -> list[float]:
     """y of each hand, m, where the whole path takes the least effort."""
     path = PathReference(PATH)
-    outlook = ContactFamily.of(truth, hands, WRENCH_NOISE, MIN_HAND_DISTANCE).ahead(truth, path, (0.0, path.duration))
-    best = outlook.cheapest(np.zeros(len(outlook.lowest)))
+    lookahead = ContactFamily.of(truth, hands, WRENCH_NOISE, MIN_HAND_DISTANCE).ahead(truth, path, (0.0, path.duration))
+    best = lookahead.cheapest(np.zeros(len(lookahead.lowest)))
     assert best is not None, "every grip can drive the path"
-    return [float(y) for y in outlook.family.choices[best][:, 1]]
+    return [float(y) for y in lookahead.family.choices[best][:, 1]]
 
 
 def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tuple[float, float]:

@@ -89,20 +89,20 @@ class Selection:
         """What is asked for itself, or composed of what is there."""
         if path == [Link(path[0].key)]:
             return self._clocked(where, path[0].topic, found[path[0].key], epoch)
-        clocked = [self._clocked(where, link.name, found[link.key], epoch) for link in path]
-        if moving := [(link, c) for link, c in zip(path, clocked, strict=True) if not c.is_static]:
+        samples = [self._clocked(where, link.name, found[link.key], epoch) for link in path]
+        if moving := [(link, one) for link, one in zip(path, samples, strict=True) if not one.is_static]:
             self._check_moving(where, moving)
-        return composed(".".join(where), path, clocked, self.map_file.map.max_gap, self.steps)
+        return composed(".".join(where), path, samples, self.map_file.map.max_gap, self.steps)
 
     def _check_moving(self, where: MapPlace, moving: list[tuple[Link, TimedSamples]]) -> None:
-        for link, clocked in moving:
-            if len(clocked.time) < 2:
+        for link, samples in moving:
+            if len(samples.time) < 2:
                 raise self.bag.refuse("was sent once; one that holds for ever is one of tf_static", link.name)
-            step = float(np.median(np.diff(clocked.time)))
+            step = float(np.median(np.diff(samples.time)))
             if step > self.map_file.map.max_gap:
                 why = f"{link.name} has a transform every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
-        start, end = common_span([clocked for _, clocked in moving])
+        start, end = common_span([samples for _, samples in moving])
         if start > end:
             said = ", ".join(f"{link.name} from {c.span()[0]:.3f} to {c.span()[1]:.3f} s" for link, c in moving)
             raise self.bag.refuse(f"the transforms of {'.'.join(where)} have no time in common: {said}")

@@ -85,8 +85,8 @@ class _Reading:
         return MapReading(log, map_, tuple(self.steps.done), tuple(self.source.lost))
 
     def _check_steps(self) -> None:
-        for where, clocked in self.samples.items():
-            step = float(np.median(np.diff(clocked.time))) if len(clocked.time) > 1 else 0.0
+        for where, samples in self.samples.items():
+            step = float(np.median(np.diff(samples.time))) if len(samples.time) > 1 else 0.0
             if step > self.map_file.map.max_gap and len(where) < 3:
                 why = f"{'.'.join(where)} has a sample every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
@@ -140,7 +140,7 @@ class _Reading:
     def _clock(self) -> Array:
         """The log's times: those that the map names, where all topics have begun and none has ended."""
         map_ = self.map_file.map
-        spans = {where: clocked.span() for where, clocked in self.samples.items() if len(where) < 3}
+        spans = {where: samples.span() for where, samples in self.samples.items() if len(where) < 3}
         start, end = max(first for first, _ in spans.values()), min(last for _, last in spans.values())
         if start > end:
             said = ", ".join(f"{'.'.join(where)} from {a:.3f} to {b:.3f} s" for where, (a, b) in spans.items())
@@ -161,7 +161,7 @@ class _Reading:
 
     def _even(self, rate: float, start: float, end: float) -> Array:
         rows = (end - start) * rate
-        if rows > MAX_ROWS_PER_SAMPLE * max(len(clocked.time) for clocked in self.samples.values()):
+        if rows > MAX_ROWS_PER_SAMPLE * max(len(samples.time) for samples in self.samples.values()):
             why = f"{rows:.3g} rows from {start:.6g} to {end:.6g} s, far more than there are samples: is a stamp wrong?"
             raise self.map_file.refuse(("clock",), why)
         return np.asarray(start + np.arange(int(rows + 1e-9) + 1) / rate)

@@ -61,14 +61,14 @@ class TableSource:
         pose = map_.pose
         has_velocity = pose.velocity == "columns"
         names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
-        clocked = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
-        tracked = clocked.numbers[:, :3]
+        samples = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
+        tracked = samples.numbers[:, :3]
         tracked[:, 2] = unwrapped(tracked[:, 2])
-        found["pose",] = TimedSamples(clocked.time, tracked)
+        found["pose",] = TimedSamples(samples.time, tracked)
         if has_velocity:
-            twist = clocked.numbers[:, 3:]
+            twist = samples.numbers[:, 3:]
             found["velocity",] = TimedSamples(
-                clocked.time, _in_cart(twist, tracked) if pose.frame == "world" else twist
+                samples.time, _in_cart(twist, tracked) if pose.frame == "world" else twist
             )
         for name, arm in map_.arms.items():
             found |= self._arm(name, arm)
