@@ -16,7 +16,7 @@ from ..quadratic_program import OPTIMAL, QuadraticProgram
 from ..solvers import QuadraticSolver
 from .allocation_template import AllocationTemplate
 from .duality import infeasible_by
-from .infeasibility import Certificate
+from .infeasibility import Bound, Certificate
 from .projection import moved, project, projection_program
 
 ROW_TOLERANCE = 1e-12  # of the largest limit
@@ -25,7 +25,7 @@ ROW_TOLERANCE = 1e-12  # of the largest limit
 def contradiction(
     template: AllocationTemplate, program: QuadraticProgram, target: Array, is_range: bool = False
 ) -> Certificate | None:
-    """The proof for an allocation's program for `target` (k,), with the amounts (N) by which the cart's limits are
+    """The proof for an allocation's program for `target` (k,), with the amounts by which the cart's limits are
     missed; None if it doesn't verify. Over a range of contacts it may be that none has its vertices the right way
     round."""
     c = len(template.cart_rows.low)
@@ -45,13 +45,14 @@ def contradiction(
     if least <= ROW_TOLERANCE * max(1.0, float(limits[np.isfinite(limits)].max(initial=0.0))):
         return None
     missed = _missed(template, projection.slack[:c])
-    parts = "; ".join(f"{name} by {value:.6g} N" for name, value in missed.items())
-    return Certificate(f"{parts}: missed at least that much, whatever the arms give", least, 0.0, (), missed)
+    parts = "; ".join(f"{name} by {amount.value:.6g} {amount.unit}" for name, amount in missed.items())
+    amounts = {name: amount.value for name, amount in missed.items()}
+    return Certificate(f"{parts}: missed at least that much, whatever the arms give", least, 0.0, (), amounts)
 
 
-def _missed(template: AllocationTemplate, slack: Array) -> dict[str, float]:
-    rows, found = template.cart_rows, dict[str, float]()
-    for t, low, high in zip(slack.tolist(), rows.low_names, rows.high_names, strict=True):
+def _missed(template: AllocationTemplate, slack: Array) -> dict[str, Bound]:
+    rows, found = template.cart_rows, dict[str, Bound]()
+    for t, low, high, unit in zip(slack.tolist(), rows.low_names, rows.high_names, rows.each_unit, strict=True):
         if abs(t) > 1e-7 * float(np.abs(slack).max()):
-            found[low if t > 0 else high] = abs(t)
+            found[low if t > 0 else high] = Bound(abs(t), unit)
     return found

@@ -163,7 +163,7 @@ def conflicting_limits(
     dual = solution.multipliers[len(solution.x) :][: len(fixed.limits) + len(cart.low)]
     lows = zip(fixed.low_names + cart.low_names, [*fixed.low_limits, *cart.low], strict=True)
     highs = zip(fixed.names + cart.high_names, [*fixed.limits, *cart.high], strict=True)
-    units = [_unit(row, template.n) for row in fixed.rows] + ["N"] * len(cart.low)
+    units = [_unit(row, template.n) for row in fixed.rows] + list(cart.each_unit)
     for y, low, high, unit in zip(dual, lows, highs, units, strict=True):
         name, value = high if y > 0 else low
         if abs(y) > smallest and np.isfinite(value):

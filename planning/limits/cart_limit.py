@@ -49,8 +49,10 @@ class RowCone:
 @dataclass(frozen=True, eq=False)
 class CartRows:
     """`low <= sum_i (of_sum @ Ad_i + of_arm[i]) F_i <= high`; of_sum (k, 6), of_arm (n, k, 6), low and high (k,), with
-    infinity where there is no limit. The last rows are of cones, j each, with `cone_offsets` (c, j) and `cone_names`:
-    they have no limits, and names only at the first of each."""
+    infinity where there is no limit. `units` are the rows'; left out, N. The last rows are of cones, j each, with
+    `cone_offsets` (c, j) and `cone_names`: they have no limits, and names only at the first of each.
+
+    Certificates tell a name that ends in `upper` or `lower` with the limit's value and unit, and others alone."""
 
     of_sum: Array
     of_arm: Array
@@ -60,6 +62,7 @@ class CartRows:
     high_names: tuple[str, ...]
     cone_names: tuple[str, ...] = ()
     cone_offsets: Array = field(default_factory=lambda: NO_CONES)
+    units: tuple[str, ...] = ()
 
     def checked(self, what: str, n_arms: int) -> Self:
         """Itself, where it is rows for so many arms."""
@@ -80,6 +83,8 @@ class CartRows:
             names = getattr(self, name)
             if not isinstance(names, tuple) or len(names) != k or not all(names[:n_plain]):
                 raise UsageError(f"{what}: {name}: {names!r} is not a name for each of {k} rows; name each, in a tuple")
+        if not isinstance(self.units, tuple) or len(self.units) not in (0, k):
+            raise UsageError(f"{what}: units: {self.units!r} is not a unit for each of {k} rows; leave them out for N")
         return self
 
     @classmethod
@@ -98,7 +103,13 @@ class CartRows:
             tuple([name for part in parts for name in part.high_names]),
             parts[-1].cone_names,
             parts[-1].cone_offsets,
+            tuple([unit for part in parts for unit in part.each_unit]) if any(part.units for part in parts) else (),
         )
+
+    @property
+    def each_unit(self) -> tuple[str, ...]:
+        """The unit of each row."""
+        return self.units or ("N",) * len(self.low)
 
     @property
     def n_plain(self) -> int:

@@ -57,6 +57,7 @@ class Tangents:
             high=np.concatenate([rows.high[:n], np.full(c, np.inf)]),
             low_names=rows.low_names[:n] + rows.cone_names,
             high_names=rows.high_names[:n] + rows.cone_names,
+            units=rows.units and rows.units[:n] + ("N",) * c,
         )
 
     def multipliers(self, linear: Array) -> tuple[Array, list[Array]]:

@@ -38,6 +38,7 @@ BAD = [
     (replace(GOOD, low_names=("a", "b")), r"low_names: \('a', 'b'\) is not a name for each of 1 rows; name each"),
     (replace(GOOD, high_names=("",)), r"high_names: \('',\) is not a name"),
     (replace(GOOD, high_names="a"), "high_names: 'a' is not a name for each"),
+    (replace(GOOD, units="N"), "units: 'N' is not a unit for each of 1 rows; leave them out for N"),
     (replace(CONES, cone_offsets=np.full((1, 1), np.nan)), "not finite"),
 ]
 
@@ -95,3 +96,15 @@ def test_velocity_in_the_body_frame():
     motion = cg.Motion(np.zeros(3), np.array([0.5, 0.2]))
     assert PushedCart(model, motion, HANDS).velocity_b == pytest.approx([0.5, -0.06, 0.2])
     assert PushedCart(model, None, HANDS).velocity_b.tolist() == [0.0, 0.0, 0.0]
+
+
+@pytest.mark.parametrize("others", [[], [SideForce(90.0)]])
+def test_units_are_told(others):
+    """One hand alone: its force is limited as a power at 1 m/s would be, and 3 J of nothing can't be had."""
+    one = replace(GOOD, of_arm=ROWS[:1], units=("W",))
+    planner = WrenchPlanner(cart(), HANDS[:1], cart_limits=[Given(one), *others])
+    words = planner.plan((40.0, 0.0, 0.0)).message
+    assert words == "apart upper 2 W: it gives at most 2 N of forward force, 40 N is asked"
+    never = replace(GOOD, of_arm=0.0 * ROWS, low=np.full(1, 3.0), high=np.full(1, 4.0), units=("J",))
+    planner = WrenchPlanner(cart(), HANDS, cart_limits=[Given(never), *others])
+    assert planner.plan((4.0, 0.0, 0.0)).message.startswith("apart lower by 3 J: missed")
