@@ -63,9 +63,11 @@ class WrenchPlanner:
         cart: What is pushed.
         arms: What holds it, each arm with its limits and places to hold.
         objective: What is least: `WeightedWrench()`, by the arms' own weights, unless given.
-        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `SideForce`, `InternalForce`.
-        confidence: The probability (0.5 to below 1) with which all `cart_limits` hold, by the covariance of the
-            estimate given last (robust.py). None: they hold for the cart as it is believed to be.
+        cart_limits: Limits of the hands together: `Skid`, `TipOver`, `SideForce`, `InternalForce`, or a `CartLimit` or
+            `FloorLimit` of your own.
+        confidence: The probability (0.5 to below 1) with which all `cart_limits` of the floor hold together, by the
+            covariance of the estimate given last (robust.py): `Skid`, `TipOver`, `SideForce`, your `FloorLimit`. Others
+            hold for the cart as it is believed to be, and with None all do.
         min_hand_distance: m, between any two hands.
         relax: Where a wrench can't be given, the nearest is planned (`relaxed`) if it misses by at most this: N and
             N·m side by side, in effective rows; `inf` for any.

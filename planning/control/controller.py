@@ -68,7 +68,8 @@ class Controller:
         held: Where the hands hold already, (3,) in {b} by arm; else they take hold where they are first wanted.
         objective: What is least, as for `WrenchPlanner`.
         cart_limits: Limits of the hands together, such as `Skid` and `TipOver`, for the cart as now estimated.
-        confidence: The probability with which they hold, by the estimate's covariance; None: as it is believed to be.
+        confidence: The probability with which those of the floor hold, by the estimate's covariance; others, and with
+            None all, hold for the cart as it is believed to be.
         caution: What to do less of while the estimate's health is not ok, no plan can be given, or the cart is behind;
             None: nothing.
         rejection: How much of `estimate.disturbance` is fed forward, where the estimator tells one; None: nothing.

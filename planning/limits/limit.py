@@ -22,7 +22,11 @@ UNLIMITED.setflags(write=False)
 @dataclass(frozen=True, eq=False)
 class LimitRows:
     """`lower <= F <= upper` (6,), `low_limits <= rows @ F <= limits` (k, 6), and cones on F (6,); of several arms
-    side by side F is (6n,). Low limits that are left out are infinite, and called as the limits are."""
+    side by side F is (6n,). Low limits that are left out are infinite, and called as the limits are.
+
+    Certificates tell a name that ends in `upper` or `lower` with the limit's value, and others alone. The unit is N or
+    N·m, by the components that a row adds up; N·m where a word of the name is `torque`; none of a mixture. With the
+    word `rate` a value keeps its sign."""
 
     lower: Array = field(default_factory=lambda: -UNLIMITED)
     upper: Array = field(default_factory=lambda: UNLIMITED)
