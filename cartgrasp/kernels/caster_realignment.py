@@ -10,7 +10,7 @@ from cartgrasp.frames import Array
 
 from .casters import Caster, heading_rate, settled_heading
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_sign
 
 
@@ -25,7 +25,7 @@ class Turning(NamedTuple):
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     for k in range(len(own.memory)):
         swivel = _swivel(at, own, k)
         _add_friction(at, own, k, 0, swivel, out)
@@ -33,7 +33,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def _add_friction(at: Situation, own: EffectValues, k: int, which: int, turning: Turning, out: Parts) -> None:
+def _add_friction(at: KernelSituation, own: EffectValues, k: int, which: int, turning: Turning, out: Parts) -> None:
     """Adds the wrench of the k-th caster's friction against `turning`, of which the torque is parameter number `which`.
     Of the swivel's, a force at the patch; of the tyre's, which the floor turns, too, at the pivot."""
     torque, has_trail, trail = own.parameters[which], own.parameters[1] > 0.0, _caster(at, own, k).trail
@@ -56,7 +56,7 @@ def _add_friction(at: Situation, own: EffectValues, k: int, which: int, turning:
 
 
 @compiled
-def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
+def memory_rate(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     for k in range(len(own.memory)):
         swivel = _swivel(at, own, k)
         out.value[k] += swivel.rate
@@ -69,7 +69,7 @@ def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     n = len(own.memory)
     for k in range(n):
         swivel = _swivel(at, own, k)
@@ -79,7 +79,7 @@ def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
 
 
 @compiled
-def _stick(at: Situation, own: EffectValues, k: int, which: int, turning: Turning, column: Array) -> None:
+def _stick(at: KernelSituation, own: EffectValues, k: int, which: int, turning: Turning, column: Array) -> None:
     trail = _caster(at, own, k).trail
     slip, _ = smooth_sign(turning.rate, own.parameters[4])
     side, _ = _side(at, own, k, trail if which == 0 else 0.0)
@@ -88,20 +88,20 @@ def _stick(at: Situation, own: EffectValues, k: int, which: int, turning: Turnin
 
 
 @compiled
-def settled(at: Situation, own: EffectValues, memory: Array) -> None:
+def settled(at: KernelSituation, own: EffectValues, memory: Array) -> None:
     """Each caster trails its pivot, at the turn nearest to the heading."""
     for k in range(len(own.memory)):
         memory[k] = settled_heading(at, _caster(at, own, k))
 
 
 @compiled
-def _caster(at: Situation, own: EffectValues, k: int) -> Caster:
+def _caster(at: KernelSituation, own: EffectValues, k: int) -> Caster:
     trail = own.parameters[1] if own.parameters[1] > 0.0 else at.pivots[k, 2]
     return Caster(at.pivots[k, 0] + own.parameters[2], at.pivots[k, 1], trail, own.memory[k])
 
 
 @compiled
-def _swivel(at: Situation, own: EffectValues, k: int) -> Turning:
+def _swivel(at: KernelSituation, own: EffectValues, k: int) -> Turning:
     """delta' of the k-th caster."""
     caster = _caster(at, own, k)
     rate, by_velocity, by_heading = heading_rate(at, caster)
@@ -110,7 +110,7 @@ def _swivel(at: Situation, own: EffectValues, k: int) -> Turning:
 
 
 @compiled
-def _on_floor(at: Situation, swivel: Turning) -> Turning:
+def _on_floor(at: KernelSituation, swivel: Turning) -> Turning:
     """r + delta', at which a caster turns on the floor, from delta'."""
     ahead, across, turned = swivel.by_velocity
     by_velocity = (ahead, across, turned + 1.0)
@@ -119,7 +119,7 @@ def _on_floor(at: Situation, swivel: Turning) -> Turning:
 
 @compiled
 def _side(
-    at: Situation, own: EffectValues, k: int, behind: float
+    at: KernelSituation, own: EffectValues, k: int, behind: float
 ) -> tuple[tuple[float, float, float], tuple[float, float, float]]:
     """Wrench of a unit side force so far (m) behind the pivot, and its partial by heading. The force is across the
     trail, so that distance enters the moment whole."""

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import Parts, Situation
+from .situation import KernelSituation, Parts
 
 
 class Caster(NamedTuple):
@@ -24,13 +24,13 @@ class Caster(NamedTuple):
 
 
 @compiled
-def listed(at: Situation, k: int, heading: float) -> Caster:
+def listed(at: KernelSituation, k: int, heading: float) -> Caster:
     """The k-th caster as the cart's wheels list it."""
     return Caster(at.pivots[k, 0], at.pivots[k, 1], at.pivots[k, 2], heading)
 
 
 @compiled
-def add_heading_rates(at: Situation, memory: Array, out: Parts) -> None:
+def add_heading_rates(at: KernelSituation, memory: Array, out: Parts) -> None:
     """Adds the rates of all listed casters' headings, with partials by velocity and heading."""
     for k in range(len(memory)):
         rate, by_velocity, by_heading = heading_rate(at, listed(at, k, memory[k]))
@@ -41,14 +41,14 @@ def add_heading_rates(at: Situation, memory: Array, out: Parts) -> None:
 
 
 @compiled
-def settle_headings(at: Situation, memory: Array, out: Array) -> None:
+def settle_headings(at: KernelSituation, memory: Array, out: Array) -> None:
     """Writes where all listed casters come to rest."""
     for k in range(len(memory)):
         out[k] = settled_heading(at, listed(at, k, memory[k]))
 
 
 @compiled
-def heading_rate(at: Situation, caster: Caster) -> tuple[float, tuple[float, float, float], float]:
+def heading_rate(at: KernelSituation, caster: Caster) -> tuple[float, tuple[float, float, float], float]:
     """delta', and its partials by velocity and delta."""
     sine, cosine = math.sin(caster.heading), math.cos(caster.heading)
     along, across = pivot_velocity(at, caster.x, caster.y)
@@ -62,13 +62,13 @@ def heading_rate(at: Situation, caster: Caster) -> tuple[float, tuple[float, flo
 
 
 @compiled
-def pivot_velocity(at: Situation, x: float, y: float) -> tuple[float, float]:
+def pivot_velocity(at: KernelSituation, x: float, y: float) -> tuple[float, float]:
     u, w, r = at.velocity[0], at.velocity[1], at.velocity[2]
     return u - y * r, w + x * r
 
 
 @compiled
-def settled_heading(at: Situation, caster: Caster) -> float:
+def settled_heading(at: KernelSituation, caster: Caster) -> float:
     """Where a caster comes to rest, at the turn nearest to its heading: it trails its pivot, but for as much as
     delta' = 0 asks in a turn."""
     along, across = pivot_velocity(at, caster.x, caster.y)

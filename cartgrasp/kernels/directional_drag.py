@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_sign
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     forward, backward, u = own.parameters[0], own.parameters[1], at.velocity[0]
     sign, slope = smooth_sign(u, at.smoothing_speed)
     share = (1.0 + sign) / 2.0

@@ -18,7 +18,7 @@ from cartgrasp.frames import Array
 
 from . import rigid_body
 from .jit import Ints, compiled
-from .situation import SWINGING_ROW, EffectValues, Parts, Situation, Twist
+from .situation import SWINGING_ROW, EffectValues, KernelSituation, Parts, Twist
 from .vocabulary import add_memory_rate, add_phi_change, add_stiction, add_wrench, settle
 from .wheel_loads import carry
 from .workspace import MEMORY_COLUMN, PHI_COLUMN, POSE_COLUMN, VELOCITY_COLUMN, Workspace, copy
@@ -192,7 +192,7 @@ def forward(m: Workspace, point: Point, push: Array, room: Array) -> None:
 
 
 @compiled
-def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
+def situation(m: Workspace, point: Point, twist: Twist) -> KernelSituation:
     """What effects look at. Sums begin with what is foreign."""
     if len(point.foreign) > 0:
         copy(point.foreign, m.sums)
@@ -210,10 +210,10 @@ def situation(m: Workspace, point: Point, twist: Twist) -> Situation:
 
 
 @compiled
-def _carried(m: Workspace, point: Point, twist: Twist) -> Situation:
+def _carried(m: Workspace, point: Point, twist: Twist) -> KernelSituation:
     """The situation with phi and loads as they stand in the workspace."""
     pose = point.state[:3]
-    return Situation(point.time, pose, twist, m.phi, m.wheels, m.loads, m.carried, m.pivots, m.smoothing_speed)
+    return KernelSituation(point.time, pose, twist, m.phi, m.wheels, m.loads, m.carried, m.pivots, m.smoothing_speed)
 
 
 @compiled
@@ -224,7 +224,7 @@ def mass_matrix(m: Workspace) -> tuple[Twist, Twist, Twist]:
 
 
 @compiled
-def sum_effects(m: Workspace, point: Point, at: Situation) -> None:
+def sum_effects(m: Workspace, point: Point, at: KernelSituation) -> None:
     """Fills the sums of wrenches and of the memory's rate."""
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
@@ -253,7 +253,7 @@ def hold(m: Workspace, mass: Array) -> None:
 
 
 @compiled
-def sum_memory_rates(m: Workspace, point: Point, at: Situation) -> None:
+def sum_memory_rates(m: Workspace, point: Point, at: KernelSituation) -> None:
     """Sums the memories' rates alone, without the other sums that `sum_effects` fills."""
     for e in range(len(m.effects)):
         kind, begin, end = m.effects[e, 0], m.effects[e, 3], m.effects[e, 4]
@@ -280,7 +280,7 @@ def stictions(m: Workspace, point: Point, columns: Array) -> int:
 
 
 @compiled
-def settle_all(m: Workspace, point: Point, at: Situation, memory: Array) -> None:
+def settle_all(m: Workspace, point: Point, at: KernelSituation, memory: Array) -> None:
     """The memory (k,) when it has come to rest."""
     copy(point.state[3 + m.basis.shape[1] :], memory)
     for e in range(len(m.effects)):

@@ -8,12 +8,12 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_step
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     side, cosine, sine = own.parameters[1], math.cos(at.pose[2]), math.sin(at.pose[2])
     along, across = at.pose[0] - own.parameters[0], sine * at.velocity[0] + cosine * at.velocity[1]
     speed = cosine * at.velocity[0] - sine * at.velocity[1]

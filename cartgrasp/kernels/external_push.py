@@ -3,12 +3,12 @@
 from __future__ import annotations
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_step
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     since, duration = at.time - own.parameters[0], own.parameters[1]
     on, on_slope = smooth_step(since, own.constants[0])
     off, off_slope = smooth_step(since - duration, own.constants[0])

@@ -9,12 +9,12 @@ from cartgrasp.frames import Array
 
 from .jit import compiled
 from .rolling import drag, hold
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_step
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     coefficient = own.parameters[4]
     for wheel in range(len(at.wheels)):
         share, by_edge, swing = _inside(at, own, wheel)
@@ -33,7 +33,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     for wheel in range(len(at.wheels)):
         share, _, _ = _inside(at, own, wheel)
         hold(at, own, wheel, own.parameters[4] * share * at.loads[wheel], columns)
@@ -42,7 +42,7 @@ def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
 
 @compiled
 def _inside(
-    at: Situation, own: EffectValues, wheel: int
+    at: KernelSituation, own: EffectValues, wheel: int
 ) -> tuple[float, tuple[float, float, float, float], tuple[float, float]]:
     """Share of a wheel inside, its partials by the four edges, and where it is from {b}'s origin, in {s}."""
     cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])

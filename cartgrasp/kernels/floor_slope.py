@@ -7,11 +7,11 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     grade_x, grade_y, gravity = own.parameters[0], own.parameters[1], own.constants[0]
     cosine, sine = math.cos(at.pose[2]), math.sin(at.pose[2])
     pull_x = -gravity * (cosine * grade_x + sine * grade_y)

@@ -8,7 +8,7 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation, Twist
+from .situation import EffectValues, KernelSituation, Parts, Twist
 from .smooth import smooth_ramp, smooth_sign, smooth_step
 
 ON_FORWARD_FORCE, ON_LATERAL_FORCE, ON_YAW_MOMENT, ON_DRAG, ON_WORLD_FORCE, ON_VISCOUS_DRAG = range(6)
@@ -34,7 +34,7 @@ ZERO_VECTOR = (0.0, 0.0, 0.0)
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     lever = own.constants[I_LEVER]
     unit, turned, braked = _unit(at, own.constants)
     value, by_pose, by_velocity, by_memory = _variable(at, own)
@@ -59,7 +59,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
+def memory_rate(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     lever = own.constants[I_LEVER]
     speed, way = at.velocity[0] - lever * at.velocity[2], own.memory[0]
     rate, by_speed = speed, 1.0
@@ -77,7 +77,7 @@ def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     """Fills the column of a law that is a drag, and returns 1; other laws have no column, and it returns 0."""
     if own.constants[I_ACTS_ON] != ON_DRAG:
         return 0
@@ -93,7 +93,7 @@ def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
 
 
 @compiled
-def _unit(at: Situation, constants: Array) -> tuple[Twist, Twist, Twist]:
+def _unit(at: KernelSituation, constants: Array) -> tuple[Twist, Twist, Twist]:
     """The wrench of one newton, and its partials by the heading and by the forward speed where it acts."""
     acts_on, lever, ahead = constants[I_ACTS_ON], constants[I_LEVER], constants[I_AHEAD]
     if acts_on == ON_LATERAL_FORCE:
@@ -113,7 +113,7 @@ def _unit(at: Situation, constants: Array) -> tuple[Twist, Twist, Twist]:
 
 
 @compiled
-def _variable(at: Situation, own: EffectValues) -> tuple[float, Twist, Twist, float]:
+def _variable(at: KernelSituation, own: EffectValues) -> tuple[float, Twist, Twist, float]:
     """What the law is a function of, with partials by pose, velocity and memory; of places with knots along y, x."""
     c, of = own.constants, own.constants[I_VARIABLE]
     if of == OF_TRAVELLED_DISTANCE:

@@ -7,11 +7,11 @@ import math
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import SWINGING_ROW, EffectValues, Parts, Situation
+from .situation import SWINGING_ROW, EffectValues, KernelSituation, Parts
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     mass = own.parameters[0]
     pull, by_stretch, by_rate, by_frequency, by_damping = _pull(at, own)
     out.value[0] += mass * pull
@@ -26,7 +26,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
+def memory_rate(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     pull, by_stretch, by_rate, by_frequency, by_damping = _pull(at, own)
     out.value[0] += own.memory[1] - at.velocity[0]
     out.by_velocity[0, 0] -= 1.0
@@ -40,13 +40,13 @@ def memory_rate(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def settled(at: Situation, own: EffectValues, memory: Array) -> None:
+def settled(at: KernelSituation, own: EffectValues, memory: Array) -> None:
     """It goes along with the cart."""
     memory[0], memory[1] = 0.0, at.velocity[0]
 
 
 @compiled
-def _pull(at: Situation, own: EffectValues) -> tuple[float, float, float, float, float]:
+def _pull(at: KernelSituation, own: EffectValues) -> tuple[float, float, float, float, float]:
     """Force on the cart for each kg, and its partials by displacement, by its rate, by frequency and by damping."""
     omega, damping = 2.0 * math.pi * own.parameters[1], own.parameters[2]
     stretch, rate = own.memory[0], own.memory[1] - at.velocity[0]

@@ -5,11 +5,11 @@ from __future__ import annotations
 import math
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     coefficient, velocity = own.parameters[0], at.velocity
     speed = math.sqrt(velocity[0] ** 2 + velocity[1] ** 2)
     for i in range(2):

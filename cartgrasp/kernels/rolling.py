@@ -14,7 +14,7 @@ from cartgrasp.frames import Array
 
 from .casters import pivot_velocity
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 WheelPlace = tuple[float, float, int]
 """x and y of a wheel in {b}, m, and which of the headings that an effect remembers is its; -1 for none."""
@@ -34,7 +34,9 @@ class Rolling(NamedTuple):
 
 
 @compiled
-def drag(at: Situation, own: EffectValues, wheel: int, coefficient: float, out: Parts) -> tuple[float, float, float]:
+def drag(
+    at: KernelSituation, own: EffectValues, wheel: int, coefficient: float, out: Parts
+) -> tuple[float, float, float]:
     """Adds the drag of one wheel with partials by velocity, phi and heading; returns the wrench (3,) of a unit force
     along its rolling."""
     x, y, k = place_of(at, own, wheel)
@@ -75,7 +77,7 @@ def add_by_heading(place: WheelPlace, force: float, turned: tuple[float, float],
 
 
 @compiled
-def hold(at: Situation, own: EffectValues, wheel: int, level: float, columns: Array) -> None:
+def hold(at: KernelSituation, own: EffectValues, wheel: int, level: float, columns: Array) -> None:
     """Writes the wrenches that one wheel may give near standstill, of `level` (N): one along its heading, or two."""
     x, y, k = place_of(at, own, wheel)
     way = rolling(at, own, wheel)
@@ -95,7 +97,7 @@ def hold_anywhere(x: float, y: float, level: float, columns: Array) -> None:
 
 
 @compiled
-def place_of(at: Situation, own: EffectValues, wheel: int) -> WheelPlace:
+def place_of(at: KernelSituation, own: EffectValues, wheel: int) -> WheelPlace:
     k = -1
     if at.wheels[wheel, 2] == 1.0 and len(own.memory) > 0:
         k = 0
@@ -112,7 +114,7 @@ def _heading(own: EffectValues, k: int) -> tuple[float, float]:
 
 
 @compiled
-def rolling(at: Situation, own: EffectValues, wheel: int) -> Rolling:
+def rolling(at: KernelSituation, own: EffectValues, wheel: int) -> Rolling:
     x, y, k = place_of(at, own, wheel)
     if at.wheels[wheel, 2] == 1.0 and k < 0:
         return rolling_anywhere(at, x, y)
@@ -126,7 +128,7 @@ def rolling(at: Situation, own: EffectValues, wheel: int) -> Rolling:
 
 
 @compiled
-def rolling_anywhere(at: Situation, x: float, y: float) -> Rolling:
+def rolling_anywhere(at: KernelSituation, x: float, y: float) -> Rolling:
     """How a wheel rolls that follows the velocity of its place at once."""
     along, across = pivot_velocity(at, x, y)
     norm = math.sqrt(along**2 + across**2 + at.smoothing_speed**2)

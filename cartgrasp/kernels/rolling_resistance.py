@@ -6,11 +6,11 @@ from cartgrasp.frames import Array
 
 from .jit import compiled
 from .rolling import drag, hold
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     for wheel in range(len(at.wheels)):
         unit = drag(at, own, wheel, own.parameters[0], out)
         for i in range(3):
@@ -18,7 +18,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     for wheel in range(len(at.wheels)):
         hold(at, own, wheel, own.parameters[0] * at.loads[wheel], columns)
     return 2 * len(at.wheels)

@@ -22,7 +22,7 @@ SWINGING_ROW = 3
 """The row behind those of the wrench: of the mass that does not follow u'."""
 
 
-class Situation(NamedTuple):
+class KernelSituation(NamedTuple):
     """Time (s); pose_sb (3,); velocity (u, w, r) in {b}; phi (4,); of each wheel x, y and 1 for a caster, 0 for a
     fixed one (n, 3), load (n,) in N and its partials by phi (n, 4); of each pivot of a caster x, y and trail (k, 3);
     the speed (m/s) below which a Coulomb force fades."""

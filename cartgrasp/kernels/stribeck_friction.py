@@ -22,11 +22,11 @@ from .rolling import (
     rolling,
     rolling_anywhere,
 )
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     breakaway, by_wheels = own.parameters[0], own.parameters[2]
     unit = _drag(rolling_anywhere(at, 0.0, 0.0), (0.0, 0.0, -1), 1.0 - by_wheels, own, out)
     for i in range(3):
@@ -45,7 +45,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     breakaway, by_wheels = own.parameters[0], own.parameters[2]
     way = rolling_anywhere(at, 0.0, 0.0)
     still = 1.0 - way.x**2 - way.y**2
@@ -91,7 +91,7 @@ def _fade(way: Rolling, own: EffectValues) -> float:
 
 
 @compiled
-def _total(at: Situation) -> tuple[float, tuple[float, float, float, float]]:
+def _total(at: KernelSituation) -> tuple[float, tuple[float, float, float, float]]:
     """The sum of all wheel loads, N, with its partials by phi."""
     load, mass, first_x, first_y = 0.0, 0.0, 0.0, 0.0
     for wheel in range(len(at.wheels)):

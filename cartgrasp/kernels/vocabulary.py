@@ -22,7 +22,7 @@ from . import (
 )
 from .casters import add_heading_rates, settle_headings
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 
 VISCOUS_DRAG = 0
 ROLLING_RESISTANCE = 1
@@ -77,7 +77,7 @@ def add_phi_change(kind: int, time: float, own: EffectValues, phi: Array, by_own
 
 
 @compiled
-def add_wrench(kind: int, at: Situation, own: EffectValues, out: Parts) -> None:
+def add_wrench(kind: int, at: KernelSituation, own: EffectValues, out: Parts) -> None:
     if kind == VISCOUS_DRAG:
         viscous_drag.wrench(at, own, out)
     elif kind == ROLLING_RESISTANCE:
@@ -107,7 +107,7 @@ def add_wrench(kind: int, at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def add_memory_rate(kind: int, at: Situation, own: EffectValues, out: Parts) -> None:
+def add_memory_rate(kind: int, at: KernelSituation, own: EffectValues, out: Parts) -> None:
     if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
         add_heading_rates(at, own.memory, out)
     elif kind == CASTER_REALIGNMENT:
@@ -119,7 +119,7 @@ def add_memory_rate(kind: int, at: Situation, own: EffectValues, out: Parts) -> 
 
 
 @compiled
-def add_stiction(kind: int, at: Situation, own: EffectValues, columns: Array) -> int:
+def add_stiction(kind: int, at: KernelSituation, own: EffectValues, columns: Array) -> int:
     if kind == ROLLING_RESISTANCE:
         return rolling_resistance.stiction(at, own, columns)
     if kind == STRIBECK_FRICTION:
@@ -136,7 +136,7 @@ def add_stiction(kind: int, at: Situation, own: EffectValues, columns: Array) ->
 
 
 @compiled
-def settle(kind: int, at: Situation, own: EffectValues, memory: Array) -> None:
+def settle(kind: int, at: KernelSituation, own: EffectValues, memory: Array) -> None:
     if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
         settle_headings(at, own.memory, memory)
     elif kind == CASTER_REALIGNMENT:

@@ -5,7 +5,7 @@ from __future__ import annotations
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import EffectValues, Parts, Situation
+from .situation import EffectValues, KernelSituation, Parts
 from .smooth import smooth_sign
 
 MIN_TRACK_WIDTH = 1e-6
@@ -16,7 +16,7 @@ Share = tuple[float, float, float, float]
 
 
 @compiled
-def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
+def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     right, left, of_right, of_left = _track(at)
     _drag(at, right, of_right, own, out)
     if left - right > MIN_TRACK_WIDTH:
@@ -24,7 +24,7 @@ def wrench(at: Situation, own: EffectValues, out: Parts) -> None:
 
 
 @compiled
-def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
+def stiction(at: KernelSituation, own: EffectValues, columns: Array) -> int:
     right, left, of_right, of_left = _track(at)
     _hold(at, right, of_right, own, columns[0])
     if left - right > MIN_TRACK_WIDTH:
@@ -34,7 +34,7 @@ def stiction(at: Situation, own: EffectValues, columns: Array) -> int:
 
 
 @compiled
-def _track(at: Situation) -> tuple[float, float, Share, Share]:
+def _track(at: KernelSituation) -> tuple[float, float, Share, Share]:
     """Where along {b}'s y the outermost fixed wheels stand, the right one first, and their shares. Where the track is
     not known, one at the origin has all."""
     right, left = 0.0, 0.0
@@ -53,7 +53,7 @@ def _track(at: Situation) -> tuple[float, float, Share, Share]:
 
 
 @compiled
-def _drag(at: Situation, y: float, share: Share, own: EffectValues, out: Parts) -> None:
+def _drag(at: KernelSituation, y: float, share: Share, own: EffectValues, out: Parts) -> None:
     """Adds the drag of a wheel at y, against its own rolling."""
     sign, slope = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
     force, moment = _strength(share, own)
@@ -69,7 +69,7 @@ def _drag(at: Situation, y: float, share: Share, own: EffectValues, out: Parts) 
 
 
 @compiled
-def _hold(at: Situation, y: float, share: Share, own: EffectValues, column: Array) -> None:
+def _hold(at: KernelSituation, y: float, share: Share, own: EffectValues, column: Array) -> None:
     sign, _ = smooth_sign(at.velocity[0] - y * at.velocity[2], at.smoothing_speed)
     force, moment = _strength(share, own)
     column[0], column[2] = -(1.0 - sign * sign) * force, (1.0 - sign * sign) * moment

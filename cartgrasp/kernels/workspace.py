@@ -39,9 +39,8 @@ class PackedEffect(NamedTuple):
 
 class Workspace(NamedTuple):
     """`effects` (e, 8): kind, first and last + 1 of the parameters, of the memory and of the `constants` (c,), and 1
-    for those that say how their memory moves; the
-    `roots` (e,) of how long their stiction keeps its value; `wheels` (n, 3) and `pivots` (k, 3) as in `Situation`;
-    `basis` (3, f).
+    for those that say how their memory moves; the `roots` (e,) of how long their stiction keeps its value; `wheels`
+    (n, 3) and `pivots` (k, 3) as in `KernelSituation`; `basis` (3, f).
 
     Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (4, 11 + k + p) of the effects'
     `wrench` with what swings (`SWINGING_ROW`) and (k, 11 + k + p) of the memory's rate, one after the other in `sums`;
