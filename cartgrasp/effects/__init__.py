@@ -1,5 +1,5 @@
-"""The vocabulary of effects: one file each, with its physics in `cartgrasp/kernels/`. `docs/extending.md` lists what a
-new one takes."""
+"""The vocabulary of effects, one file each. The physics of force and inertia effects is in `cartgrasp/kernels/`, that
+of constraint and sensor effects in their own files. `docs/extending.md` lists what a new one takes."""
 
 from .caster_realignment import CasterRealignment
 from .contact_offset import ContactOffset

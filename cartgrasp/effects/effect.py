@@ -2,8 +2,8 @@
 
 A `ForceEffect` acts on the cart, an `InertiaEffect` changes phi, a `ConstraintEffect` changes how it rolls, a
 `SensorEffect` stands between the true and the recorded wrench of an arm. `CartModel` alone decides signs and sums.
-Those of the library have a kernel (`compiled.py`); a class from outside that works out its contributions in numpy has
-its place beside them.
+The library's force and inertia effects have a kernel (`compiled.py`). A class from outside that works out its
+contributions in numpy has its place beside them, and sensor and constraint effects are numpy, too.
 """
 
 from __future__ import annotations

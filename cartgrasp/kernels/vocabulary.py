@@ -1,4 +1,6 @@
-"""Which kernel an effect has. A new effect is a number here and a branch where it has something to do."""
+"""Which kernel a force or an inertia effect of the library has; no other effect has one.
+
+A new one is a number, a row of `KINDS` and a branch wherever it has something to do."""
 
 from __future__ import annotations
 
