@@ -177,11 +177,12 @@ class CartModel(CartStructure):
         if self.is_compiled:
             return self.dynamics.stiction((state, time, parameters))
         situation, memory = self._situation(state, parameters, time), state[..., self.memory_slice]
-        found = [np.zeros((3, 0))]
+        lead = np.broadcast_shapes(state.shape[:-1], np.shape(time), parameters.shape[:-1])
+        found = [np.zeros((*lead, 3, 0))]
         for effect, own, remembered in self.force_effects:
             columns = effect.stiction(situation, memory[..., remembered], parameters[..., own])
             if columns is not None:
-                found.append(effect.stuck_root * columns)
+                found.append(effect.stuck_root * np.broadcast_to(columns, (*lead, *columns.shape[-2:])))
         return np.concatenate(found, axis=-1)
 
     def settled_memory(self, state: Array, parameters: Array, time: Any = 0.0) -> Array:
