@@ -55,6 +55,10 @@ class CartStructure(ABC):
         object.__setattr__(self, "wheels", listed("cart: wheels", self.wheels, Wheel, form))
         if self.com_height is not None:
             number("cart: com_height", self.com_height, 0.0, MAX_DISTANCE, "give m above the floor")
+        for effect in self.effects:
+            if KNOWN_EFFECTS.get(effect.name, type(effect)) is not type(effect):
+                why = f"{type(effect).__name__} has the name of an effect of the library; give it one of its own"
+                raise UsageError(f"effects: {effect.key}: {why}")
         keys = [effect.key for effect in self.effects]
         for key in keys:
             if keys.count(key) > 1:

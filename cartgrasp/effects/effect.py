@@ -132,7 +132,7 @@ class Contribution:
     by_parameters: Array | None = None
 
 
-@dataclass(frozen=True, kw_only=True)
+@dataclass(frozen=True, kw_only=True, init=False)
 class Effect(ABC):
     """Base of all. Fields named in `parameters` are the values, those in `settings` say of what form it is; `label`
     tells several of one kind apart (for a sensor effect it names the arm; empty: every arm). At its defaults an effect
@@ -152,6 +152,16 @@ class Effect(ABC):
     @abstractmethod
     def parameters(self) -> tuple[Parameter, ...]:
         """What it has numbers for; the same for all of a class, unless settings say which."""
+
+    def __init__(self, *values: Any, label: str = "", **others: Any) -> None:
+        """Whoever is no dataclass gets here: one without values needs to be none."""
+        if values or others or self.parameters:
+            cure = (
+                "put @dataclass(frozen=True) above it, and give each parameter a field such as `strength: float = 0.0`"
+            )
+            raise UsageError(f"{type(self).__name__}: the class of an effect with values is a dataclass; {cure}")
+        object.__setattr__(self, "label", label)
+        self.__post_init__()
 
     def __post_init__(self) -> None:
         for parameter in self.parameters:

@@ -1,4 +1,4 @@
-"""What effects in numpy return has the shape that it is added to."""
+"""Mistakes in effects of one's own, which work in numpy: each is refused in a sentence."""
 
 from __future__ import annotations
 
@@ -10,7 +10,7 @@ import numpy as np
 import pytest
 
 from cartgrasp import foreign_effects
-from cartgrasp.effects import Contribution, ViscousDrag
+from cartgrasp.effects import Contribution, ForceEffect, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 
@@ -85,3 +85,50 @@ def test_shapes_are_checked_once_for_carts_of_one_structure(monkeypatch):
         cart.effect_wrench(state)
         cart.with_parameters(cart.parameters * 1.1).effect_wrench(state)
     assert asked == ["lag.wrench_b", "lag.memory_rate"] * 2
+
+
+def test_a_name_of_the_library_is_refused():
+    """Files would give such a cart back with the library's effect."""
+
+    class Thick(Lag):
+        name: ClassVar[str] = "viscous_drag"
+
+    class Thin(ViscousDrag):
+        pass
+
+    for effect in (Thick(), Thin()):
+        where = f"effects: viscous_drag: {type(effect).__name__} has the name of an effect of the library; give it one"
+        for make in (
+            lambda own: CartModel(OURS.inertia, effects=(own,)),
+            OURS.without_effect("viscous_drag").with_effect,
+        ):
+            with pytest.raises(UsageError, match=where):
+                make(effect)
+
+
+@pytest.mark.parametrize("given", [((5.0,), {}), ((), {"linear": 5.0}), ((), {})], ids=["place", "name", "none"])
+def test_a_class_that_is_no_dataclass_is_refused(given):
+    class Undecorated(ForceEffect):
+        linear: float = 0.0
+        name = "undecorated"
+        parameters = Lag.parameters[:1]
+
+        def wrench_b(self, situation, memory, parameters):
+            return Contribution(np.zeros(3))
+
+    values, named = given
+    with pytest.raises(UsageError, match=r"^Undecorated: the class .* put @dataclass\(frozen=True\) above it"):
+        Undecorated(*values, **named)
+
+
+def test_one_without_values_needs_be_none():
+    class Wind(ForceEffect):
+        name = "wind"
+        parameters = ()
+
+        def wrench_b(self, situation, memory, parameters):
+            return Contribution(np.array([2.0, 0.0, 0.0]))
+
+    assert [Wind().key, Wind(label="north").key] == ["wind", "wind.north"]
+    cart = CartModel(OURS.inertia, effects=(Wind(),))
+    assert cart.effect_wrench(cart.state()).tolist() == [2.0, 0.0, 0.0]
