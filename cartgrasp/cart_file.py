@@ -12,11 +12,11 @@ from typing import Any
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from .checks import MAX_DISTANCE, did_you_mean
+from .checks import MAX_DISTANCE, did_you_mean, listed
 from .constraints import RollingConstraints
 from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
 from .effects.effect import Setting
-from .errors import CartgraspError, FileError, SettingError
+from .errors import CartgraspError, FileError, SettingError, UsageError
 from .first_guess import PHYSICAL_NAMES, FirstGuess
 from .inertia import Inertia
 from .model import CartModel
@@ -55,11 +55,12 @@ class _CartEntry(StrictModel):
     known: list[str] = Field(default_factory=list)
 
 
-def load_cart(path: str | os.PathLike[str]) -> CartModel:
+def load_cart(path: str | os.PathLike[str], effects: Sequence[type[Effect]] = ()) -> CartModel:
     """The cart of a `cart.yaml`.
 
     Args:
         path: Of the file: keys as in the command line's pages, SI units.
+        effects: Classes of effects of your own that it may have beside the library's.
 
     Raises:
         FileError: It can't be read, or holds a mistake: `file:line:column: key: why`.
@@ -70,15 +71,23 @@ def load_cart(path: str | os.PathLike[str]) -> CartModel:
         >>> cart.inertia.mass, [effect.key for effect in cart.effects]
         (15.0, ['viscous_drag'])
     """
-    return cart_from_document(read_yaml(path), str(path))
+    form = "write effects=[CubicDrag], the classes of your own"
+    own: tuple[type[Effect], ...] = listed("load_cart: effects", effects, type, form)
+    for kind in own:
+        if not issubclass(kind, Effect):
+            raise UsageError(f"load_cart: effects: {kind.__name__} is no Effect; {form}")
+    return cart_from_document(read_yaml(path), str(path), own=own)
 
 
 def cart_from_text(text: str, name: str = "cart.yaml") -> CartModel:
     return cart_from_document(parse_yaml(text, name), name)
 
 
-def cart_from_document(document: CommentedMap, name: str, prefix: Location = ()) -> CartModel:
-    """The cart of a mapping that stands under the keys `prefix` of a file called `name`."""
+def cart_from_document(
+    document: CommentedMap, name: str, prefix: Location = (), own: Sequence[type[Effect]] = ()
+) -> CartModel:
+    """The cart of a mapping that stands under the keys `prefix` of a file called `name`, with effects of the library
+    and of one's `own`."""
     entry = validate(_CartEntry, document, name, prefix)
 
     def refuse(location: Location, why: str) -> FileError:
@@ -98,7 +107,8 @@ def cart_from_document(document: CommentedMap, name: str, prefix: Location = ())
         raise refuse(["com"], why)
     if entry.com_height is not None and entry.com_height < 0:
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
-    constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, refuse)
+    known = KNOWN_EFFECTS | {kind.name: kind for kind in own}
+    constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, known, refuse)
     _check_effects(effects, constraints, refuse)
     swung = sum(effect.mass for effect in effects if isinstance(effect, LoadSlosh))
     if swung >= entry.mass:
@@ -174,12 +184,13 @@ def _wheels(entries: list[_WheelEntry], refuse: Any) -> tuple[Wheel, ...]:
     return tuple(wheels)
 
 
-def _effects(entries: Mapping[str, Any], refuse: Any) -> tuple[Effect, ...]:
+def _effects(entries: Mapping[str, Any], known: Mapping[str, type[Effect]], refuse: Any) -> tuple[Effect, ...]:
     effects: list[Effect] = []
     for name, values in entries.items():
-        kind = KNOWN_EFFECTS.get(name)
+        kind = known.get(name)
         if kind is None:
-            raise refuse(["effects", name], f"unknown effect{did_you_mean(name, KNOWN_EFFECTS)}")
+            cure = "an effect of your own is given in Python: load_cart(path, effects=[…])"
+            raise refuse(["effects", name], f"unknown effect{did_you_mean(name, known)} ({cure})")
         values = {} if values is None else values
         if not isinstance(values, dict):
             raise refuse(["effects", name], f"{values!r} is not a mapping of parameters")

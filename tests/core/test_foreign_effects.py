@@ -1,4 +1,4 @@
-"""Mistakes in effects of one's own, which work in numpy: each is refused in a sentence."""
+"""Effects of one's own, which work in numpy: mistakes in them are refused in a sentence, and files have them."""
 
 from __future__ import annotations
 
@@ -10,6 +10,7 @@ import numpy as np
 import pytest
 
 from cartgrasp import foreign_effects
+from cartgrasp.cart_file import load_cart
 from cartgrasp.effects import Contribution, ForceEffect, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
@@ -132,3 +133,33 @@ def test_one_without_values_needs_be_none():
     assert [Wind().key, Wind(label="north").key] == ["wind", "wind.north"]
     cart = CartModel(OURS.inertia, effects=(Wind(),))
     assert cart.effect_wrench(cart.state()).tolist() == [2.0, 0.0, 0.0]
+
+
+def test_files_are_read_with_effects_of_ones_own(tmp_path):
+    cart = CartModel(OURS.inertia, effects=(ViscousDrag(3.0), Lag(2.5), Lag(1.0, 0.5, label="rear"), Ballast(4.0)))
+    path = cart.save(tmp_path / "cart.yaml")
+    again = load_cart(path, effects=[Ballast, Lag])
+    assert again == cart
+    assert again.parameter_names == cart.parameter_names
+
+
+def test_a_file_with_an_effect_that_is_not_given_says_how_to_give_it(tmp_path):
+    path = CartModel(OURS.inertia, effects=(Lag(), Ballast())).save(tmp_path / "cart.yaml")
+    for known, missing in (((), "lag"), ((Lag,), "ballast")):
+        where = rf":\d+:\d+: effects.{missing}: unknown effect; .*an effect of your own is given in Python: load_cart\("
+        with pytest.raises(UsageError, match=where):
+            load_cart(path, effects=known)
+
+
+@pytest.mark.parametrize(
+    ("effects", "words"),
+    [
+        (Lag, "effects: .* is no list; write effects="),
+        ([Lag()], r"effects: Lag\(.* is no type; write effects=\[CubicDrag\], the classes of your own"),
+        ([float], "effects: float is no Effect; write"),
+    ],
+)
+def test_what_is_no_class_of_an_effect_is_refused(tmp_path, effects, words):
+    path = CartModel(OURS.inertia, effects=(Lag(),)).save(tmp_path / "cart.yaml")
+    with pytest.raises(UsageError, match=words):
+        load_cart(path, effects=effects)
