@@ -130,6 +130,7 @@ ASSUMPTIONS = (
         {
             "LOG_MASS_PRIOR_STD": "prior of the logarithms of mass and inertia",
             "COM_PRIOR_STD": "prior of the CoM",
+            "SCREENING_PRIOR_RATIO": "prior of a candidate's amplitude, of its usual size",
             "AMPLITUDE_PRIOR_RATIO": "prior of an added effect, of its usual size",
             "FILE_PRIOR_VALUE_FRACTION": "prior of an effect of the file, of its value",
             "FILE_PRIOR_SIZE_FRACTION": "prior of an effect of the file, of its usual size",
@@ -203,5 +204,5 @@ ASSUMPTIONS = (
         "discrepancy.search.plausibility", "MOMENT_BY_FORCE", B, {}, "effects whose moment is their force at a wheel"
     ),
     Constant("weak_form.band", "INERTIAL_EFFECTS", B, (), "names that nobody gets who does not push"),
-    Constant("discrepancy.search.candidates", "TURNING_EFFECTS", B, (), "names that no cart on a rail gets"),
+    Constant("discrepancy.search.candidates", "DRAGS_TOLD_BY_TURNING", B, (), "names that no cart on a rail gets"),
 )

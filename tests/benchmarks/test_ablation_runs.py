@@ -22,7 +22,7 @@ from .test_sealed_score import CART, effect, entry, report
 
 BY_NAME = {c.full_name: c for c in CONSTANTS}
 WORTH, SURE = BY_NAME["gains.MIN_GAIN_NATS"], BY_NAME["gains.GAIN_SIGMAS"]
-TURNING = BY_NAME["candidates.TURNING_EFFECTS"]
+TURNING = BY_NAME["candidates.DRAGS_TOLD_BY_TURNING"]
 
 
 @dataclass(frozen=True)
@@ -162,7 +162,7 @@ def test_a_log_that_can_not_be_followed_is_run(monkeypatch):
 def test_a_constant_that_has_no_such_value_is_not_moved():
     jobs = list(wanted([Made(1.0)], [TURNING, WORTH], ("off", "0.7")))
     assert [(job.constant.name, job.move) for job in jobs] == [
-        ("TURNING_EFFECTS", "off"),
+        ("DRAGS_TOLD_BY_TURNING", "off"),
         ("MIN_GAIN_NATS", "off"),
         ("MIN_GAIN_NATS", "0.7"),
     ]
@@ -200,7 +200,7 @@ def test_affected_logs_are_counted(asked, tmp_path):
     }
     assert counts == {
         "| `gains.MIN_GAIN_NATS`": ["1", "1"],
-        "| `candidates.TURNING_EFFECTS`": ["3", "-"],
+        "| `candidates.DRAGS_TOLD_BY_TURNING`": ["3", "-"],
         "| `gains.GAIN_SIGMAS`": ["0", "0"],
     }
     assert "Not followed: single: gain -1, no such gain." in text

@@ -73,7 +73,11 @@ def test_constants_are_watched_together_and_for_a_while():
     known = {c.full_name: c for c in CONSTANTS}
     constants = [
         known[name]
-        for name in ("gains.MIN_GAIN_NATS", "plausibility.MIN_SETTINGS[time_delay.delay]", "candidates.TURNING_EFFECTS")
+        for name in (
+            "gains.MIN_GAIN_NATS",
+            "plausibility.MIN_SETTINGS[time_delay.delay]",
+            "candidates.DRAGS_TOLD_BY_TURNING",
+        )
     ]
     before = gains.MIN_GAIN_NATS, dict(plausibility.MIN_SETTINGS)
     delay = before[1]["time_delay.delay"]
@@ -87,7 +91,7 @@ def test_constants_are_watched_together_and_for_a_while():
         ("gains.MIN_GAIN_NATS", "1.3"),
         ("plausibility.MIN_SETTINGS[time_delay.delay]", "off"),
         ("plausibility.MIN_SETTINGS[time_delay.delay]", "0.7"),
-        ("candidates.TURNING_EFFECTS", "off"),  # names are not watched
+        ("candidates.DRAGS_TOLD_BY_TURNING", "off"),  # names are not watched
     }
     assert (gains.MIN_GAIN_NATS, dict(plausibility.MIN_SETTINGS)) == before
     assert [is_watched(c) for c in constants] == [True, True, False]

@@ -16,8 +16,9 @@ from cartgrasp.model import CartModel
 
 from ...weak_form.band import INERTIAL_EFFECTS
 
-TURNING_EFFECTS = ("wheel_drag_imbalance",)
-"""Effects that turn a cart: on a rail they are any drag."""
+DRAGS_TOLD_BY_TURNING = ("wheel_drag_imbalance",)
+"""Drags that only turning tells from other drags: a cart on a rail, which does not turn, is given none of them. Pure
+yaw moments do nothing to it, and need no entry."""
 UNBOUNDED_LENGTH = 1e12
 """Time (s) and distance (m) that are as long, and as far, as no log goes."""
 
@@ -39,7 +40,7 @@ def families(cart: CartModel, arms: Sequence[str], others: Sequence[Effect] = ()
     for kind in KNOWN_EFFECTS.values():
         if not kind.searched or (not arms and (kind.name in INERTIAL_EFFECTS or is_of_wrenches(kind))):
             continue
-        if cart.constraints.no_rotation and kind.name in TURNING_EFFECTS:
+        if cart.constraints.no_rotation and kind.name in DRAGS_TOLD_BY_TURNING:
             continue
         for label in _labels(kind, cart, arms):
             variants = tuple(_variants(kind, label, cart))

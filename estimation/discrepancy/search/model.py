@@ -30,8 +30,9 @@ from .laws import Law, labelled
 
 LOG_MASS_PRIOR_STD, COM_PRIOR_STD = 1.5, 0.5
 """Prior standard deviations of the logarithms of mass and inertia, and of the CoM (m)."""
-AMPLITUDE_PRIOR_RATIO = 10.0
-"""Prior standard deviation of a fitted amplitude, in multiples of the effect's usual size."""
+SCREENING_PRIOR_RATIO, AMPLITUDE_PRIOR_RATIO = 2.0, 10.0
+"""Prior standard deviations of an amplitude where candidates are screened, and where a cart with one is fitted, in
+multiples of the effect's usual size."""
 FILE_PRIOR_VALUE_FRACTION, FILE_PRIOR_SIZE_FRACTION = 0.25, 0.05
 """Prior standard deviation of an effect of the cart file: share of its value there, and at least a share of its usual
 size."""
@@ -351,7 +352,7 @@ class Model:
         if isinstance(effect, ConstraintEffect):
             return self.whitened(raw), np.array([3.0])
         own = amplitudes_of(effect)
-        std = np.array([2 * effect.parameters[i].typical for i in own])
+        std = np.array([SCREENING_PRIOR_RATIO * effect.parameters[i].typical for i in own])
         return self.whitened([each[..., own] for each in raw]), std
 
     def with_wrench_delay(self, delay: float) -> Model:
