@@ -21,7 +21,8 @@ class EddyBrake(ForceEffect):
     def wrench_b(self, situation: Situation, memory: Array, parameters: Array) -> Contribution:
         u, strength = situation.velocity_b[..., 0], parameters[..., 0]
         bent = 1 + (u / 0.3) ** 2
-        value, by_velocity, by_parameters = (np.zeros((*u.shape, 3, n)) for n in (1, 3, 1))
+        front = np.broadcast_shapes(u.shape, strength.shape)  # rows of a log, or many carts at once
+        value, by_velocity, by_parameters = (np.zeros((*front, 3, n)) for n in (1, 3, 1))
         value[..., 0, 0], by_parameters[..., 0, 0] = -strength * u / bent, -u / bent
         by_velocity[..., 0, 0] = -strength * (2 - bent) / bent**2
         return Contribution(value[..., 0], by_velocity=by_velocity, by_parameters=by_parameters)
