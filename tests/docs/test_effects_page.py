@@ -22,18 +22,30 @@ def pictures():
     return effect_pictures
 
 
+def section(name):
+    assert name in SECTIONS, f"docs/effects.md: {name} has no section; write `## {name}`, in the order of KNOWN_EFFECTS"
+    return SECTIONS[name]
+
+
 def test_each_effect_has_its_section():
-    assert list(SECTIONS) == list(KNOWN_EFFECTS)
+    missing, unknown = (
+        ", ".join(a.keys() - b.keys()) for a, b in ((KNOWN_EFFECTS, SECTIONS), (SECTIONS, KNOWN_EFFECTS))
+    )
+    assert not missing, f"docs/effects.md: no section `## NAME` of {missing}"
+    assert not unknown, f"docs/effects.md: no such effect: {unknown}"
+    assert list(SECTIONS) == list(KNOWN_EFFECTS), "docs/effects.md: sections have the order of KNOWN_EFFECTS"
 
 
 @pytest.mark.parametrize("name", KNOWN_EFFECTS)
 def test_its_parameters_have_their_units(name):
-    told = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", SECTIONS[name], re.MULTILINE)
-    if name == "learned_force":
-        assert told == []  # its settings say which it has
-    else:
-        assert told == [(p.name, p.unit, f"{p.typical:g}") for p in KNOWN_EFFECTS[name].parameters]
-    assert KNOWN_EFFECTS[name].signature in SECTIONS[name]
+    kind = KNOWN_EFFECTS[name]
+    told = re.findall(r"^\| `(\w+)` \| (\S+) \| (\S+) \|", section(name), re.MULTILINE)
+    needed = [] if name == "learned_force" else [(p.name, p.unit, f"{p.typical:g}") for p in kind.parameters]
+    lines = "\n".join(f"| `{parameter}` | {unit} | {usual} | what it is |" for parameter, unit, usual in needed)
+    assert told == needed, (
+        f"docs/effects.md: {name}: its table needs the lines\n{lines or '(none: settings say which)'}"
+    )
+    assert kind.signature in section(name), f"docs/effects.md: {name} lacks its signature: {kind.signature}"
 
 
 @pytest.fixture(scope="module")
@@ -44,8 +56,13 @@ def without(pictures):
 
 @pytest.mark.parametrize("name", KNOWN_EFFECTS)
 def test_its_picture_is_there_and_shows_something(name, pictures, without):
-    assert f"(images/effects/{name}.png)" in SECTIONS[name]
-    assert (pictures.FOLDER / f"{name}.png").stat().st_size > 5000
+    assert f"(images/effects/{name}.png)" in section(name), (
+        f"docs/effects.md: {name} shows no images/effects/{name}.png"
+    )
+    assert name in pictures.SHOWN, f"docs/effect_pictures.py: SHOWN has no {name}"
+    file = pictures.FOLDER / f"{name}.png"
+    assert file.exists(), f"{file.name} is missing; draw it: python docs/effect_pictures.py {name}"
+    assert file.stat().st_size > 5000, f"{file.name} shows nothing"
     bare = pictures.BARE if name == "viscous_drag" else pictures.CART
     plain, extended = without[bare], pictures.run(bare.with_effect(pictures.SHOWN[name][0]))
     moved = max(np.abs(extended.pose - plain.pose).max(), np.abs(extended.speed - plain.speed).max()) > 0.03
