@@ -235,7 +235,7 @@ def _late(log: RunLog, lag: float, std: float) -> tuple[str, ...]:
         return ()
     words = (
         f"{log.name}: its wrenches come {abs(lag):.3f} ± {std:.3f} s {'after' if lag > 0 else 'before'} the motion: "
-        "allowed for here, and by nothing online; mend the clocks, or give the cart file a time_delay"
+        "allowed for here, and by filters; mend the clocks, or give the cart file a time_delay"
     )
     return (words,)
 

@@ -169,8 +169,9 @@ class Controller:
         self._observed: Estimate | None = None
         self._used: Estimate | None = None  # of which the cart was
         self._time, self._pace = -math.inf, Pace(0.0)
+        self._steady_time = 0.0  # s, which never goes back
         self._knows_where = False  # once a pose was seen
-        self._command_tracking, self._heard = CommandTracking(), -math.inf
+        self._command_tracking, self._last_wrench_time = CommandTracking(), -math.inf
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -187,6 +188,7 @@ class Controller:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate = self.observe(measurement)
         time = measurement.time
+        self._steady_time += min(max(time - self._time, 0.0), MAX_STEP_GAP)
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
         model = self._used_by(believed).cart() if self.learns else self.cart
@@ -218,9 +220,10 @@ class Controller:
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         if not measurement.contacts.keys() >= measurement.wrenches.keys():
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
-        if self._last is not None and measurement.wrenches and measurement.time > self._heard:
-            elapsed = min(measurement.time - self._heard, MAX_STEP_GAP) if math.isfinite(self._heard) else 0.0
-            self._heard = measurement.time
+        since = measurement.time - self._last_wrench_time
+        if self._last is not None and measurement.wrenches and not -MAX_STEP_GAP <= since <= 0.0:
+            elapsed = min(since, MAX_STEP_GAP) if 0.0 < since < math.inf else 0.0  # none where the clock was set back
+            self._last_wrench_time = measurement.time
             self._command_tracking = self._command_tracking.after(self._last.wrenches, measurement.wrenches, elapsed)
         estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
@@ -348,8 +351,9 @@ class Controller:
     def _for_planner(self, estimate: Estimate) -> Estimate | None:
         """The estimate; to a planner that only tells by it what wheels take, none whose motion is lost."""
         if not self._needs_estimate:
-            return None if estimate.health in LOST_MOTION_HEALTHS else estimate
-        return estimate if self._caution is None else self._caution.widened(estimate)
+            return None if estimate.health in LOST_MOTION_HEALTHS else estimate._replace(time=self._steady_time)
+        told = estimate._replace(time=self._steady_time)  # stamps may go back, and then it would be taken for stale
+        return told if self._caution is None else self._caution.widened(told)
 
     def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
         """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""

@@ -89,12 +89,13 @@ class DisturbedLearning:
 
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""
+        self._sensing.note_contacts(measurement)  # what is refused does not wait
         self.time = measurement.time
         self._waiting = (*self._waiting, measurement)
         until = math.inf if self._known is None else measurement.time - self.response
         while self._waiting and self._waiting[0].time <= until:
-            self._learn(self._waiting[0])
-            self._waiting = self._waiting[1:]
+            first, self._waiting = self._waiting[0], self._waiting[1:]
+            self._learn(first)
         self._known = self._careful.estimate()
         self._observe(measurement, self._known)
 

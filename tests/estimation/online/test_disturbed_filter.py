@@ -12,6 +12,7 @@ import cartgrasp as cg
 from cartgrasp.effects import PayloadChange, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import body_to_world
+from cartgrasp.motion import Measurement
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
@@ -306,3 +307,16 @@ def test_where_no_arm_tells_anything_nothing_is_told_to_push():
     assert {one.health for time, one in told if 2.55 < time < 2.99} == {"no_wrench"}
     assert {one.health for time, one in told if 0.5 < time < 2.45} == {"ok"}
     assert told[-1][1].health == "ok"
+
+
+def test_a_contact_that_is_refused_is_refused_once():
+    """One sample in mm: it had stayed first in line, and every later sample raised."""
+    learner, refused = DisturbedFilter(CART, ["hand"]), 0
+    for k in range(300):
+        here = (-250.0, 200.0, 1.0) if k == 100 else (-0.25, 0.2, 1.0)
+        sample = Measurement(0.01 * k, np.zeros(3), np.zeros(3), {"hand": np.zeros(6)}, {"hand": np.array(here)})
+        try:
+            learner.update(sample)
+        except UsageError:
+            refused += 1
+    assert refused == 1

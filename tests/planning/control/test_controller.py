@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -17,6 +19,7 @@ from planning import (
     Controller,
     PathReference,
     RegraspTimes,
+    Skid,
     WrenchPlanner,
     build_tracker,
     chain,
@@ -367,3 +370,36 @@ def test_what_is_no_measurement_is_refused():
     for call in (Controller(CART, arms(), PATH).step, Controller(CART, arms(), PATH).observe):
         with pytest.raises(UsageError, match=r"controller: \[0, 0, 0\] is no Measurement; write Measurement"):
             call([0, 0, 0])
+
+
+ROLLING = cg.CartModel(
+    CART.inertia,
+    effects=CART.effects,
+    wheels=[cg.Wheel("fixed", 0.0, 0.25), cg.Wheel("fixed", 0.0, -0.25), cg.Wheel("caster", 0.7, 0.0, 0.05)],
+    com_height=0.5,
+)
+
+
+@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
+@pytest.mark.parametrize("limits", [{}, {"cart_limits": [Skid(0.5)]}], ids=["free", "skid"])
+@pytest.mark.parametrize(("shift", "lasts"), [(-3600.0, 1000.0), (1e6, 0.005)], ids=["set back", "one stamp ahead"])
+def test_a_clock_that_jumps_leaves_the_cart_on_its_path(kind, limits, shift, lasts):
+    """Estimates in the time of the stamps had been stale to the planner for an hour."""
+    hands = arms()
+    guess = ROLLING.with_inertia(cg.Inertia(20.0, (0.28, 0.02), 2.0))
+    told = kind(guess, [arm.name for arm in hands], noise=FilterNoise(force=1.0, moment=0.05))
+    controller = Controller(guess, hands, PATH, estimator=told, **limits)
+    plant, off = ModelPlant(ROLLING), []
+    sensors = Sensors(ROLLING, SensorNoise(force=1.0, moment=0.05), seed=3)
+    while plant.time < 6.0:
+        late = shift if 0.0 <= plant.time - 2.0 < lasts else 0.0
+        sensed = sensors.motion(plant.time, plant.motion)
+        step = controller.step(replace(sensed, time=sensed.time + late))
+        felt = sensors.wrenches(plant.time, step.given)
+        controller.observe(replace(felt, time=felt.time + late))
+        plant.step(step.given, controller.period)
+        off.append(np.hypot(*(step.reference.pose_sb - plant.motion.pose_sb)[:2]))
+        if plant.time > 3.0:
+            assert step.plan.status in ("optimal", "relaxed")
+    assert max(off) < 0.25  # m: what the path goes in the 0.5 s until the clock is believed
+    assert max(off[-100:]) < 0.03
