@@ -7,6 +7,7 @@ is refused, and they stay.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Sequence
 from dataclasses import asdict, dataclass, replace
 from typing import Any
@@ -224,7 +225,7 @@ def _log_fits(
             continue
         k = max(own, key=lambda k: len(parts[k].balances.used))
         delay = -float(delays[k]) / parts[k].balances.sample_step
-        words = _late(log, float(delays[k]), float(deviations[k]))
+        words = _late(log, float(delays[k]), float(deviations[k]) * math.sqrt(max(1.0, excess[k])))
         found.append(LogFit(log.name, delay, float(excess[k]), 0.5 / parts[k].balances.row_step, words))
     return tuple(found)
 

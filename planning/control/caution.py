@@ -24,7 +24,7 @@ OK, IDLE, NO_ARM = "ok", "idle_arm", "no_arm"
 all of them, in its place."""
 TRUSTED_HEALTHS = frozenset({OK, "load_changed", "no_wrench"})
 """Healths under which what is learned holds, as far as it says itself."""
-OBEDIENCE_WORDS = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
+COMMAND_TRACKING_WORDS = {IDLE: "an arm gives little", NO_ARM: "no arm gives what it is told"}
 
 
 @dataclass(frozen=True)
@@ -71,7 +71,7 @@ class Caution:
             rule = getattr(self, name)
             check_kind(f"caution: {name}", rule, Mapping, 'write {"inconsistent": …}')
             for health, value in rule.items():
-                check_known(f"caution: {name}", [health], HEALTHS | OBEDIENCE_WORDS.keys())
+                check_known(f"caution: {name}", [health], HEALTHS | COMMAND_TRACKING_WORDS.keys())
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, MAX_CHANGE, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
@@ -86,7 +86,7 @@ class Caution:
         share = 1.0 if health == NO_ARM and behind < 0.0 else self.pace.get(health, 1.0)
         if share == 1.0 and not margins and status in USABLE and behind <= self.behind:
             return 1.0, ""
-        why = OBEDIENCE_WORDS.get(health, f"health {health}")
+        why = COMMAND_TRACKING_WORDS.get(health, f"health {health}")
         reasons = [(1.0, ""), (share, f"slows to {100 * share:.0f} % of its speed: {why}")]
         if margins:
             reasons.append((self.short, f"slows to {100 * self.short:.0f} % of its speed"))

@@ -46,8 +46,8 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Estimate, Reference
 
 LOST_MOTION_HEALTHS = ("stale", "clock_went_back")
-NO_REGRASP_HEALTHS = (*LOST_MOTION_HEALTHS, "no_wrench")
-"""Healths under which no hand lets go."""
+SENSES_LOST_HEALTHS = (*LOST_MOTION_HEALTHS, "no_wrench")
+"""Healths under which no hand lets go, and nothing is fed forward."""
 WAITING_FOR_POSE = "waits for a first pose"
 MAX_DRIFT = 10.0
 DEFAULT_REGRASP_TIMES, DEFAULT_CHOOSING = RegraspTimes(), Choosing()
@@ -331,7 +331,7 @@ class Controller:
 
     def _against(self, estimate: Estimate) -> Array:
         """Planar wrench (3,) against what pushes beside all that is known."""
-        if self._rejection is None or estimate.disturbance is None or estimate.health in NO_REGRASP_HEALTHS:
+        if self._rejection is None or estimate.disturbance is None or estimate.health in SENSES_LOST_HEALTHS:
             return np.zeros(3)
         return self.cart.planar_wrench(self._rejection.fed_forward(estimate.disturbance))
 
@@ -361,7 +361,7 @@ class Controller:
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
         regrasps.go_on(max(0.0, time - self._time), self._idle.keys())
-        if health not in NO_REGRASP_HEALTHS:
+        if health not in SENSES_LOST_HEALTHS:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
 
