@@ -52,7 +52,7 @@ class PushHypothesis(NamedTuple):
 
     def and_then(self, row: FilteredRow, at: Array, usual: Array) -> tuple[PushHypothesis, float, Innovation]:
         """The belief after a row, the row's log-likelihood, and its innovation. Nothing is learned from a row in which
-        a push is likelier, nor from the next, since the push may have ended within it."""
+        a push is likelier."""
         belief, gain = self.belief.copy(), 1.0 - row.fade
         innovation = belief.update(row, at)
         mean, covariance = (
@@ -60,12 +60,10 @@ class PushHypothesis(NamedTuple):
         )
         without = innovation.quasi_log_likelihood()
         beside = innovation.quasi_log_likelihood(gain * mean, gain**2 * covariance)
-        is_pushed = beside > without
-        if is_pushed or self.rows == 0:
-            belief = self.belief.copy()
-            belief.drop_link()
-        if not is_pushed:
+        if without >= beside:
             return self._replace(belief=belief, rows=self.rows + 1), without, innovation
+        belief = self.belief.copy()
+        belief.drop_link()
         gained = self.evidence + beside - without
         return PushHypothesis(belief, innovation.in_own[0] / gain, 0, gained), beside, innovation
 
