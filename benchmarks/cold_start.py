@@ -9,6 +9,7 @@ import json
 import os
 import subprocess
 import sys
+from collections.abc import Sequence
 from concurrent.futures import ThreadPoolExecutor
 from functools import partial
 from pathlib import Path
@@ -128,13 +129,15 @@ def table(cold: list[Took], warm: list[Took]) -> list[str]:
 
 def _ran(code: str, tree: Path, cache: Path) -> str:
     """What it prints, with a tree's packages."""
-    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache)}
-    single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS"), "1")
-    command = [sys.executable, "-P", "-c", code]
-    done = subprocess.run(
-        command, check=True, capture_output=True, text=True, env=os.environ | single | own, cwd=cache.parent
-    )
-    return done.stdout
+    return run_python(["-c", code], tree, cache)
+
+
+def run_python(arguments: Sequence[str], tree: Path, cache: Path) -> str:
+    """What a process of one thread prints, with a tree's packages and a cache of kernels of its own."""
+    own = {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache), "MPLBACKEND": "Agg"}
+    single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
+    command, env = [sys.executable, "-P", *arguments], os.environ | single | own
+    return subprocess.run(command, check=True, capture_output=True, text=True, env=env, cwd=cache.parent).stdout
 
 
 if __name__ == "__main__":

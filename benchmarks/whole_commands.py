@@ -5,16 +5,14 @@ log of 60 s, with no cache of kernels and with one, and of a campaign with one; 
 from __future__ import annotations
 
 import argparse
-import os
 import resource
 import statistics
-import subprocess
-import sys
 from collections.abc import Sequence
 from pathlib import Path
 from tempfile import TemporaryDirectory
 
-HERE = Path(__file__).parents[1]
+from .cold_start import HERE, run_python
+
 MADE = ("benchmarks.sealed", "generate", "--cases", "floor_slope", "--seeds", "3:4")
 
 
@@ -62,10 +60,8 @@ def _campaign(folder: Path, runs: int) -> list[str]:
 
 def _spent(tree: Path, cache: Path, command: Sequence[str]) -> float:
     """CPU seconds, of its workers, too."""
-    single = dict.fromkeys(("OMP_NUM_THREADS", "OPENBLAS_NUM_THREADS", "MKL_NUM_THREADS"), "1")
-    env = os.environ | single | {"PYTHONPATH": str(tree), "NUMBA_CACHE_DIR": str(cache), "MPLBACKEND": "Agg"}
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
-    subprocess.run([sys.executable, "-P", "-m", *command], check=True, capture_output=True, env=env, cwd=cache.parent)
+    run_python(["-m", *command], tree, cache)
     after = resource.getrusage(resource.RUSAGE_CHILDREN)
     return after.ru_utime + after.ru_stime - before.ru_utime - before.ru_stime
 

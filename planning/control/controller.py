@@ -279,13 +279,10 @@ class Controller:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
         elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(MAX_STEP_GAP, 2.0 * self.period)
+        waits = "" if self._knows_where else WAITING_FOR_POSE
         if caution is None:
             self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
-            return (
-                self._pace.reference(self.reference, time),
-                self._pace.along,
-                "" if self._knows_where else WAITING_FOR_POSE,
-            )
+            return self._pace.reference(self.reference, time), self._pace.along, waits
         planned, behind, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
@@ -293,7 +290,7 @@ class Controller:
                 health = NO_ARM if self._idle.keys() == self._names else IDLE
             there = last.reference if self._pace.share > 0.0 else self.reference.at(self._pace.along)
             behind = behind_of(there, estimate.motion.pose_sb)
-        wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, WAITING_FOR_POSE)
+        wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, waits)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
         self._pace = self._pace.after(elapsed, wanted, caution.change, longest)

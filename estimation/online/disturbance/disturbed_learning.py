@@ -202,7 +202,6 @@ class DisturbedLearning:
         for observer, was in zip((self._observer, self._ahead), self._observed, strict=True):
             now = observer.advanced(was, measurement.time, memory, theta)
             observed.append(observer.seen(now, pose, velocity) if moves else now)
-        self._sensing.note_contacts(measurement)
         sensed, was_known = None, self._is_total_known
         if measurement.wrenches:
             moving = Moving(observed[0].state(memory), measurement.time)
