@@ -3,11 +3,13 @@
 A cart with one rolling constraint has two inputs for three coordinates, so the lateral error is steered
 (physics.md; correcting (26)-(28)): Kanayama's velocity law at the axle,
 
-    u_c = u_d cos e_h + k_x e_x,    r_c = r_d + u_d k_y e_y sinc(e_h) + k_h e_h,
+    u_c = u_d cos e_h + k_x s_x,    r_c = r_d + u_d k_y s_y sinc(e_h) + k_h s_h,
 
 with e = (e_x, e_y) the position error along and across the wheels and e_h the heading error, then
-`nu' = d/dt nu_c + k_v (nu_c - nu)` through reduced inverse dynamics. Lyapunov function
-`(e_x² + e_y²)/2 + e_h²/(2 k_y)`: its rate is `-k_x e_x² - (k_h/k_y) e_h²`.
+`nu' = d/dt nu_c + k_v (nu_c - nu)` through reduced inverse dynamics. Far off, an error acts as one of `reach` does:
+`s = e / sqrt(1 + |e|²/reach²)`, s_h alike, after the saturated law of Jiang, Lefeber and Nijmeijer (2001). So it is
+made good at `k_x reach` and `k_h reach` at most, beside the reference. Lyapunov function
+`reach² (sqrt(1 + |e|²/reach²) - 1) + e_h²/(2 k_y)`: its rate is `-k_x s_x² - (k_h/k_y) e_h s_h`.
 With no constraint all three coordinates are held, on a rail one: the same second-order error dynamics.
 """
 
@@ -18,7 +20,7 @@ from typing import final
 
 import numpy as np
 
-from cartgrasp.checks import MAX_NUMBER, number
+from cartgrasp.checks import MAX_NUMBER, number, positive
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
@@ -29,20 +31,24 @@ from .steering import MIN_REFERENCE_SPEED, error_b, steered
 
 @dataclass(frozen=True)
 class Gains:
-    """Rates at which errors decay: along (1/s), across (1/m²), heading (1/s), velocity (1/s)."""
+    """Rates at which errors decay: along (1/s), across (1/m²), heading (1/s), velocity (1/s); and the `reach` (m and
+    rad) that errors saturate at, so that the cart is quicker than its reference by `along * reach` at most, and turns
+    quicker by `heading * reach`, beside what takes it back across."""
 
     along: float = 1.5
     across: float = 6.0
     heading: float = 3.0
     velocity: float = 5.0
+    reach: float = 0.5
 
     def __post_init__(self) -> None:
         for name in ("along", "across", "heading", "velocity"):
             number(f"gains: {name}", getattr(self, name), 0.0, MAX_NUMBER)
+        positive("gains: reach", self.reach, MAX_NUMBER, "give m and rad")
 
     @property
-    def numbers(self) -> tuple[float, float, float, float]:
-        return self.along, self.across, self.heading, self.velocity
+    def numbers(self) -> tuple[float, float, float, float, float]:
+        return self.along, self.across, self.heading, self.velocity, self.reach
 
 
 @final
@@ -73,10 +79,11 @@ class DirectTracker:
 
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
         k = self.gains
-        error = error_b(reference.pose_sb, motion.pose_sb, 0.0)
-        position = model.rolling.free_velocity(error)
+        error = np.array(error_b(reference.pose_sb, motion.pose_sb, 0.0))
         rate = reference.velocity - motion.velocity
-        acceleration = reference.acceleration + (k.along + k.velocity) * rate + k.along * k.velocity * position
+        error, error_rate = _saturated(error, model.basis_b @ rate, k.reach)
+        position, position_rate = model.rolling.free_velocity(error), model.rolling.free_velocity(error_rate)
+        acceleration = reference.acceleration + k.along * position_rate + k.velocity * (rate + k.along * position)
         return _wrench(model, reference, motion, acceleration, self.as_it_is)
 
 
@@ -94,6 +101,14 @@ def wrench_as_it_moves(model: CartModel, motion: Motion, acceleration: Array, ti
     if motion.memory is not None:
         state[model.memory_slice] = motion.memory
     return model.planar_wrench(model.required_wrench(state, acceleration, time=time))
+
+
+def _saturated(error: Array, rate: Array, reach: float) -> tuple[Array, Array]:
+    """An error (3,) of which position and heading saturate, and its rate."""
+    sizes = np.array([np.hypot(error[0], error[1])] * 2 + [error[2]])
+    growing = np.array([error[:2] @ rate[:2]] * 2 + [error[2] * rate[2]])
+    longer = np.sqrt(1.0 + sizes**2 / reach**2)
+    return error / longer, rate / longer - error * growing / reach**2 / longer**3
 
 
 def _wrench(model: CartModel, reference: Reference, motion: Motion, acceleration: Array, as_it_is: bool) -> Array:

@@ -120,7 +120,8 @@ def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str,
 
 def scaled(gains: Gains, by: float) -> Gains:
     """All errors decay `by` times as fast."""
-    return Gains(by * gains.along, by**2 * gains.across, by * gains.heading, by * gains.velocity)
+    numbers = by * gains.along, by**2 * gains.across, by * gains.heading, by * gains.velocity
+    return Gains(*numbers, gains.reach)
 
 
 @dataclass(frozen=True)

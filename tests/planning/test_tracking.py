@@ -10,6 +10,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.integrate import runge_kutta_4
 from planning.references import PathReference, chain, pause, speed_change, straight, turn
+from planning.steering import error_b
 from planning.tracking import DirectTracker, Gains, SteeringTracker, build_tracker
 
 BODY = Inertia(20.0, (0.3, 0.1), 2.0)
@@ -93,3 +94,52 @@ def test_no_side_force_is_asked_of_a_constrained_cart():
     wrench = SteeringTracker().wrench_b(reference, Motion(np.array([0.1, 0.2, 0.3]), np.array([0.2, 0.1])), cart)
     assert wrench[1] == 0.0
     assert np.isfinite(wrench).all()
+
+
+@pytest.mark.parametrize("axle", [0.0, 0.4])
+@pytest.mark.parametrize("start", [(-40.0, 3.0, 2.5), (0.4, -0.8, -1.0), (5.0, 30.0, -3.0)])
+def test_far_errors_are_made_good_at_a_bounded_speed(axle, start):
+    """A cart that begins as quick as the law wants stays so, and the law's Lyapunov function falls at the rate that is
+    claimed of it: nu_c and its derivative agree."""
+    cart, gains = CartModel(BODY, RollingConstraints(axle)), Gains(velocity=50.0)
+    path = PathReference(chain(speed_change(0.5), pause(20.0), speed_change(-0.5)), cart.constraints)
+    tracker, state, step = SteeringTracker(gains), cart.state(start), 0.002
+    values, falls, speeds = [], [], []
+    for k in range(3000):
+        time = 2.0 + k * step
+
+        def rate(t, y):
+            return cart.state_rate(y, tracker.wrench_b(path.at(t), Motion(y[:3], y[3:5]), cart))
+
+        x, y, heading = error_b(path.at(time).pose_sb, state[:3], axle)
+        longer = np.sqrt(1.0 + (x**2 + y**2) / gains.reach**2)
+        values.append(gains.reach**2 * (longer - 1.0) + heading**2 / (2.0 * gains.across))
+        turning = heading**2 / np.sqrt(1.0 + heading**2 / gains.reach**2)
+        falls.append(-gains.along * (x / longer) ** 2 - gains.heading / gains.across * turning)
+        speeds.append(state[3:5])
+        state = runge_kutta_4(rate, time, state, step)
+    u, r = np.abs(speeds).max(axis=0)
+    assert u < 0.5 + gains.along * gains.reach + 1e-3
+    assert r < gains.heading * gains.reach + 0.5 * gains.across * gains.reach + 1e-3
+    settled = slice(200, None)  # nu is nu_c by then
+    slopes = np.gradient(values, step)[settled]
+    np.testing.assert_allclose(slopes, np.array(falls)[settled], atol=2e-3 * np.abs(slopes).max())
+    assert values[-1] < values[200]
+
+
+@pytest.mark.parametrize("kind", ["casters", "rail"])
+def test_directly_held_errors_are_made_good_at_a_bounded_speed(kind):
+    constraints = KINDS[kind][0]
+    cart, gains = CartModel(BODY, constraints, DRAG), Gains()
+    path = PathReference(chain(speed_change(0.5), pause(30.0), speed_change(-0.5)), constraints)
+    tracker, speeds = DirectTracker(gains), []
+    state = cart.state((-8.0, 0.0, 0.0) if constraints.no_rotation else (-6.0, 5.0, 2.0))
+    for k in range(4000):
+
+        def rate(t, y):
+            return cart.state_rate(y, tracker.wrench_b(path.at(t), Motion(y[:3], y[cart.velocity_slice]), cart))
+
+        speeds.append(np.linalg.norm(state[cart.velocity_slice][:2]))
+        state = runge_kutta_4(rate, 2.0 + 0.005 * k, state, 0.005)
+    assert max(speeds) < 0.5 + gains.along * gains.reach + 0.05
+    assert np.abs(error_b(path.at(22.0).pose_sb, state[:3], 0.0)).max() < 2e-3

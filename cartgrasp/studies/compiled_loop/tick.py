@@ -75,7 +75,7 @@ def _want(course: RunInputs, blocks: Workspaces, held: LoopState, k: int) -> Non
     error = error_b(course.pose[k], d.mean[:3], law[0])
     nu, wanted, rate = d.mean[3 : 3 + course.basis.shape[1]], course.velocity[k], course.acceleration[k]
     reference = ((wanted[0], wanted[1]), (rate[0], rate[1]))
-    u, r = steered(error, law[1], (nu[0], nu[1]), reference, (law[2], law[3], law[4], law[5]))
+    u, r = steered(error, law[1], (nu[0], nu[1]), reference, (law[2], law[3], law[4], law[5], law[6]))
     n, p, f = len(d.mean), len(held.theta), len(nu)
     for row in range(2):
         copy(d.mean[: 3 + f], states[row, : 3 + f])

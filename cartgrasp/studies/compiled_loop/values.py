@@ -15,8 +15,8 @@ from ...kernels.jit import Ints
 class RunInputs(NamedTuple):
     """The same for runs of one scenario: times (n,); poses (n, 3), nu and nu' (n, f) of the reference; which place is
     held (n,); points (s, a, 3), grasp maps (s, 3, 6 a), and what takes wrenches to reduced ones, with the noise of that
-    (s, f, 6 a + f); `along` (f, 3) of the free velocities; and the tracker's law (6,): axle and angle of the wheels,
-    and its gains."""
+    (s, f, 6 a + f); `along` (f, 3) of the free velocities; and the tracker's law (7,): axle and angle of the wheels,
+    and its gains with their reach."""
 
     time: Array
     pose: Array
