@@ -8,13 +8,13 @@ whose velocity is measured with density r, the filter is an observer with the po
 which stays within 5 % from `w t = 2.93` on. So the walk follows from how quick the answer shall be; poses make it a
 little quicker. Surprising samples in a row that a push could have made, since before the first of them, are no
 outliers, but one that sets in, or is over: then d may be any such, and is known as soon as the noise of the sensors
-allows.
+allows. No push moves a pose while the velocity stays: then its source has moved (`kernels/relocalisation.py`).
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, replace
+from dataclasses import dataclass, field, replace
 from functools import cached_property
 
 import numpy as np
@@ -44,7 +44,8 @@ NOMINAL_SAMPLE_PERIOD = 0.01
 @dataclass(frozen=True, eq=False)
 class Observed:
     """Belief of pose, nu and d (3 + 2 k,) at `time` (s); the reduced wrench `given` (k,) from then on with the
-    covariance of its noise; how many samples in a row have surprised, and the time of the last one that did not."""
+    covariance of its noise; how many samples in a row have surprised, and the time of the last one that did not; and
+    the `source` of poses (5,), as `kernels/observed_motion.py` has it."""
 
     time: float
     belief: Gaussian
@@ -52,6 +53,7 @@ class Observed:
     given_noise: Array
     surprised: int = 0
     calm: float = -math.inf
+    source: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, math.inf, -math.inf]))
 
     @property
     def k(self) -> int:
@@ -123,13 +125,13 @@ class DisturbanceObserver:
     def seen(self, observed: Observed, pose: Array, velocity: Array) -> Observed:
         """The observed state updated by a pose (3,) and a velocity (3,) in {s}, NaN where they are missing."""
         belief = observed.belief.mean.copy(), observed.belief.covariance.copy()
-        surprises = observed.surprised, min(observed.time - observed.calm, MAX_TRACKING_GAP)
-        now = observed_motion.see(self._constants, belief, pose, velocity, surprises, self._room)
+        surprises, source = (observed.surprised, observed.time - observed.calm, observed.time), observed.source.copy()
+        now = observed_motion.see(self._constants, belief, (pose, velocity), surprises, source, self._room)
         if now < 0:
             return observed
         goes_on = now > 1 or (now == 1 and observed.surprised == 0)
         calm = observed.calm if goes_on else observed.time
-        return replace(observed, belief=Gaussian(*belief), surprised=now, calm=calm)
+        return replace(observed, belief=Gaussian(*belief), surprised=now, calm=calm, source=source)
 
     def squares(
         self, observed: Observed, memory: Array, theta: Array, unknown: Array | None
@@ -186,6 +188,7 @@ class DisturbanceObserver:
         cart, noise = self.cart, self.noise
         return Constants(
             lift=np.ascontiguousarray(cart.rolling.along_b.T),
+            basis=np.ascontiguousarray(cart.basis_b),
             project=np.ascontiguousarray(self._to_free),
             pose=np.array(noise.pose_covariance),
             velocity=np.array(noise.velocity_covariance),

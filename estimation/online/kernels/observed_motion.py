@@ -8,10 +8,12 @@ import math
 from cartgrasp.frames import Array
 from cartgrasp.kernels.workspace import copy
 
+from ..first_motion import MAX_TRACKING_GAP
 from .correction import add_congruence, carved, eliminate, normalised_square, put, wrapped
 from .free_directions import to_free
 from .jit import compiled, entry
 from .observed_wrench import MAX_OBSERVER_STEP, Constants
+from .relocalisation import MAX_DRIFT_SPEED, MIN_MOVED_SOURCE_DURATION, POSE_AGREEMENT_SIGMAS
 
 SURPRISE_CHI2 = 20.5
 """Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
@@ -19,17 +21,26 @@ in a thousand times."""
 MAX_POSE = 1e9
 MAX_PUSH_DOUBLINGS = 5
 """Times at most that the push which may have set in is taken to be twice as strong."""
+MAX_VELOCITY_AGE = 0.1
+"""s for which a velocity that was as believed tells of poses without one."""
 
 
 @entry
 def see(
-    c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, surprises: tuple[int, float], room: Array
+    c: Constants,
+    belief: tuple[Array, Array],
+    seen: tuple[Array, Array],
+    surprises: tuple[int, float, float],
+    source: Array,
+    room: Array,
 ) -> int:
-    """Takes in a pose (3,) and a velocity (3,) in {s}, NaN where they are missing; `surprises` are how many samples in
-    a row have surprised before, and since when (s ago) they may have. Returns how many have by now, beginning anew with
-    one that a push explains, or -1 where nothing is there. Each one more that the push does not explain speaks for one
-    that is twice as strong."""
-    surprised, since = surprises
+    """Takes in a pose (3,) and a velocity (3,) in {s}, `seen`, NaN where they are missing; `surprises` are how many
+    samples in a row have surprised before, since when (s ago) they may have, and the time. Returns how many have by
+    now, beginning anew with one that a push explains, or -1 where nothing is there. Each one more that the push does
+    not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
+    source of poses has moved, and is believed again when that has stayed for long enough. `source` (5,): by how much it
+    has moved, since when, and when the velocity was last as believed."""
+    (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
     residual, room = room[:most], room[most:]
@@ -41,10 +52,23 @@ def see(
     opened, room = carved(room, n, n)
     square = _square(covariance, (rows[:m], residual[:m], R), room)
     surprised = surprised + 1 if square > SURPRISE_CHI2 else 0
-    if surprised > 1:
+    if m >= k and rows[m - k] == 3.0:
+        free = rows[m - k : m], residual[m - k : m], R[m - k : m, m - k : m]
+        source[4] = time if _is_as_believed(c, belief, velocity, free, room) else -math.inf
+    is_pose = m >= 3 and rows[2] == 2.0
+    if is_pose and surprised == 0:
+        source[3] = math.inf
+    if is_pose and surprised > 0 and time - source[4] < MAX_VELOCITY_AGE:
+        if source[3] > time or not _is_near(c, residual, source, MAX_DRIFT_SPEED * (time - source[3])):
+            copy(residual[:3], source[:3])
+            source[3] = time
+        if time - source[3] > MIN_MOVED_SOURCE_DURATION:
+            _move(c, mean, covariance, pose)
+            return 0
+    elif surprised > 1:
         put(covariance, opened)
         stronger = 2.0 ** min(surprised - 2, MAX_PUSH_DOUBLINGS)
-        _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, since), opened)
+        _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, min(since, MAX_TRACKING_GAP)), opened)
         if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISE_CHI2:
             put(opened, covariance)
             surprised, square = 1, 0.0
@@ -52,6 +76,48 @@ def see(
         _widen(covariance, rows[:m], square / SURPRISE_CHI2, R)
     _update(mean, covariance, (rows[:m], residual[:m], R), room)
     return surprised
+
+
+@compiled
+def _is_as_believed(
+    c: Constants, belief: tuple[Array, Array], velocity: Array, free: tuple[Array, Array, Array], room: Array
+) -> bool:
+    """Whether a velocity does not surprise by its `free` part, nor goes sideways."""
+    if _square(belief[1], free, room) > SURPRISE_CHI2:
+        return False
+    nu, sideways = room[: len(c.walk)], room[len(c.walk) : len(c.walk) + 3]
+    cosine, sine = math.cos(belief[0][2]), math.sin(belief[0][2])
+    sideways[0], sideways[2] = cosine * velocity[0] + sine * velocity[1], velocity[2]
+    sideways[1] = cosine * velocity[1] - sine * velocity[0]
+    for a in range(len(nu)):
+        nu[a] = 0.0
+        for i in range(3):
+            nu[a] += c.project[a, i] * sideways[i]
+    for i in range(3):
+        for a in range(len(nu)):
+            sideways[i] -= c.basis[i, a] * nu[a]
+    most = MAX_DRIFT_SPEED + POSE_AGREEMENT_SIGMAS * math.sqrt(c.velocity[0, 0] + c.velocity[1, 1])
+    return math.hypot(sideways[0], sideways[1]) < most
+
+
+@compiled
+def _is_near(c: Constants, off: Array, other: Array, most: float) -> bool:
+    """Whether differences of poses are one another to within so many m or rad, and the noise of both."""
+    for i in range(3):
+        noise = POSE_AGREEMENT_SIGMAS * math.sqrt(2.0 * c.pose[i, i])
+        apart = wrapped(off[i] - other[i]) if i == 2 else off[i] - other[i]
+        if not abs(apart) < most + noise:
+            return False
+    return True
+
+
+@compiled
+def _move(c: Constants, mean: Array, covariance: Array, pose: Array) -> None:
+    """To a pose (3,), known as its source tells it."""
+    for i in range(3):
+        mean[i] = pose[i]
+        covariance[i, :], covariance[:, i] = 0.0, 0.0
+    put(c.pose, covariance[:3, :3])
 
 
 @compiled

@@ -22,12 +22,13 @@ ROLLING_ROW, AGREED_ROW, WHOLE_ROW = 0, 1, 2
 
 
 class Constants(NamedTuple):
-    """What lifts a reduced wrench to {b} (3, k), and what projects a velocity onto nu (k, 3); covariances of pose and
-    velocity (3, 3); the walk of d (k,), N per root of s, for the cart as it was made; variances of what may set in and
-    inertias (k,); densities of disturbing wrenches (3,); creep along a direction (2,) of {b}; density of the heading's
-    slip (1,); and the covariance (4, 4) of a usual load on a cart of 1 kg."""
+    """What lifts a reduced wrench to {b} (3, k), nu to a velocity in {b} (3, k), and that back (k, 3); covariances of
+    pose and velocity (3, 3); the walk of d (k,), N per root of s, for the cart as it was made; variances of what may
+    set in and inertias (k,); densities of disturbing wrenches (3,); creep along a direction (2,) of {b}; density of the
+    heading's slip (1,); and the covariance (4, 4) of a usual load on a cart of 1 kg."""
 
     lift: Array
+    basis: Array
     project: Array
     pose: Array
     velocity: Array

@@ -4,10 +4,13 @@ wrong.
 One that is far off is taken for an outlier: it pulls, but can't tear (`correction.py`). What pushed the cart beside the
 arms leaves a belief that moves otherwise than the cart, from which all later poses are far off. So a run of such poses
 that a cart could have gone along is believed after a while, and the motion begins anew there. Outliers that jump don't
-agree; a sensor that stands still repeats its pose to the last digit; and where velocities are measured, and are as
-believed, poses may be elsewhere, but not go elsewhere.
+agree; a sensor that stands still repeats its pose to the last digit; and where velocities are measured, poses have to
+go where these say. Those are in {s}, so that a heading that is believed wrongly doesn't turn them. Where the belief
+goes there as well, only the source of poses can have moved: that may be over soon, and velocities tell the way
+meanwhile.
 
-Of a run: how many, since when, the last time, the first pose and the last one, and how far off the first one was.
+Of a run: how many, since when, the last time; the first pose, the last one, and what was believed at the first; how far
+the cart has gone since by its measured velocities, and up to when.
 """
 
 from __future__ import annotations
@@ -25,8 +28,10 @@ from .sensor_health import MAX_OUTLIER_FRACTION
 
 MIN_RUN_POSES, MIN_RUN_DURATION, MAX_RUN_GAP = 4, 0.1, 0.5
 """Poses, s that they last at least, and s between two at most."""
+MIN_MOVED_SOURCE_DURATION = 2.0
+"""s that they last at least where the belief goes as velocities say."""
 MAX_RELOCALISATION_SPEED, MAX_DRIFT_SPEED = 3.0, 0.1
-"""m/s or rad/s: of a cart, and of what velocities that are as believed may leave."""
+"""m/s or rad/s: of a cart, and of what measured velocities may leave."""
 POSE_AGREEMENT_SIGMAS = 6.0
 """Deviations of a pose."""
 RESTART_VELOCITY_STD = 0.3
@@ -34,9 +39,15 @@ RESTART_VELOCITY_STD = 0.3
 
 
 @compiled
-def is_relocalised(d: Considered, time: float, pose: Array, gate: float) -> bool:
-    """Whether a pose (3,), which `d.nis` is of, ends a run that is to be believed."""
-    run, first, last, off = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9], d.outlier_run[9:]
+def is_relocalised(d: Considered, time: float, seen: Array, gate: float) -> bool:
+    """Whether what is seen (6,), a pose, which `d.nis` is of, and a velocity, ends a run that is to be believed."""
+    run, first, last = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9]
+    believed, way = d.outlier_run[9:12], d.outlier_run[12:]
+    pose, velocity = seen[:3], seen[3:]
+    if run[0] > 0.0 and math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2]):
+        for i in range(3):
+            way[i] += velocity[i] * (time - way[3])
+        way[3] = time
     for i in range(3):
         if not math.isfinite(pose[i]):
             return False
@@ -53,16 +64,20 @@ def is_relocalised(d: Considered, time: float, pose: Array, gate: float) -> bool
     ):
         run[0], run[1] = 0.0, time
         copy(pose, first)
-        for i in range(3):
-            off[i] = pose[i] - d.mean[i]
+        copy(d.mean[:3], believed)
+        way[:3], way[3] = 0.0, time
     run[0], run[2] = run[0] + 1.0, time
     copy(pose, last)
     if run[0] < MIN_RUN_POSES or time - run[1] < MIN_RUN_DURATION:
         return False
-    velocity = d.health[1]
-    moves_as_believed = time - velocity[0] < MAX_RUN_GAP and velocity[1] <= 1.0 and velocity[2] < MAX_OUTLIER_FRACTION
-    as_off = (d.mean[0] + off[0], d.mean[1] + off[1], d.mean[2] + off[2])
-    return not moves_as_believed or _near(d, pose, as_off, MAX_DRIFT_SPEED * (time - run[1]))
+    health = d.health[1]
+    is_measured = time - health[0] < MAX_RUN_GAP and health[1] <= 1.0 and health[2] < MAX_OUTLIER_FRACTION
+    if not is_measured:
+        return True
+    lasting = time - run[1]
+    if lasting < MIN_MOVED_SOURCE_DURATION and _has_gone(d, d.mean, believed, way, lasting):
+        return False
+    return _has_gone(d, pose, first, way, lasting)
 
 
 @compiled
@@ -81,6 +96,13 @@ def restart_motion(d: Considered) -> None:
         d.own[i, :], d.own[:, i], d.slopes[i, :] = 0.0, 0.0, 0.0
         d.own[i, i] = d.variances[i] if i < 3 else RESTART_VELOCITY_STD**2
     run[0] = 0.0
+
+
+@compiled
+def _has_gone(d: Considered, pose: Array, begun: Array, way: Array, lasting: float) -> bool:
+    """Whether a pose is from where it was as far as velocities say, in so many s."""
+    there = (begun[0] + way[0], begun[1] + way[1], begun[2] + way[2])
+    return _near(d, pose, there, MAX_DRIFT_SPEED * lasting)
 
 
 @compiled

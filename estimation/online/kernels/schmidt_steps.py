@@ -195,7 +195,7 @@ def _take(d: Considered, time: float, seen: Array, felt: Array, gate_ratio: floa
     note(d.health[0], time, d.nis[0] / (3 * INNOVATION_GATE))
     note(d.health[1], time, d.nis[1] / (len(d.push) * INNOVATION_GATE))
     note(d.health[2], time, gate_ratio if is_felt else math.nan)
-    if is_relocalised(d, time, seen[:3], 3 * INNOVATION_GATE):
+    if is_relocalised(d, time, seen, 3 * INNOVATION_GATE):
         restart_motion(d)
     if is_felt:
         push(d, time, felt)

@@ -17,8 +17,9 @@ from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian
 from estimation.online.disturbance.observer import PUSH_FORCE_STD, DisturbanceObserver
 from estimation.online.kernels.correction import MIN_ROW_VARIANCE
-from estimation.online.kernels.observed_motion import SURPRISE_CHI2
+from estimation.online.kernels.observed_motion import MAX_VELOCITY_AGE, SURPRISE_CHI2
 from estimation.online.kernels.observed_wrench import MAX_OBSERVER_STEP
+from estimation.online.kernels.relocalisation import MAX_DRIFT_SPEED, MIN_MOVED_SOURCE_DURATION
 from estimation.online.load_change import load_covariance
 
 from ...core.drawn import CONSTRAINTS, SHOPPING_CART, vectors
@@ -115,12 +116,17 @@ MISSING = st.sets(st.integers(0, 5))
     known=st.sampled_from([1.0, 1e-4]),
     missing=MISSING,
     ago=st.sampled_from([0.01, 0.2]),
+    agreed=st.sampled_from([0.05, 0.2]),
+    moved=st.sampled_from([None, 1.0, 3.0]),
 )
-def test_seen(kind, surprised, numbers, off, size, known, missing, ago):
-    """`known` so well that what surprises may be a push, or one that is over; the last calm sample was so long ago."""
+def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, moved):
+    """`known` so well that what surprises may be a push, or one that is over; the last calm sample was so long ago. The
+    last velocity that was as believed came so long ago; and as long the source of poses seems to have moved."""
     of = observer(kind, "drags")
     seen = drawn(of, numbers)[0]
-    seen = replace(seen, surprised=surprised, calm=seen.time - ago)
+    jumped = np.append(size * np.sqrt(known) * off[:3], [np.inf if moved is None else seen.time - moved])
+    source = np.append(jumped, seen.time - agreed)
+    seen = replace(seen, surprised=surprised, calm=seen.time - ago, source=source)
     seen = replace(seen, belief=Gaussian(seen.belief.mean, known * seen.belief.covariance))
     off = np.append(np.sqrt(known) * off[:3], off[3:])
     k, mean, to_free = seen.k, seen.belief.mean, np.linalg.pinv(of.cart.basis_b) @ body_to_world(numbers[2]).T
@@ -144,7 +150,23 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago):
     if abs(square - SURPRISE_CHI2) < 1e-6:
         return  # rounding decides
     now = surprised + 1 if square > SURPRISE_CHI2 else 0
-    if now > 1:
+    if told[3:].all():
+        own = np.s_[-k:]
+        free = innovation(belief, residual[own], H[own], (R + floor)[own, own]).nis
+        in_b = body_to_world(mean[2]).T @ velocity
+        sideways = (in_b - of.cart.basis_b @ np.linalg.pinv(of.cart.basis_b) @ in_b)[:2]
+        most = MAX_DRIFT_SPEED + 6.0 * np.sqrt(np.trace(NOISE.velocity_covariance[:2, :2]))
+        agreed = 0.0 if free <= SURPRISE_CHI2 and np.linalg.norm(sideways) < most else np.inf
+    if now > 0 and told[:3].all() and agreed < MAX_VELOCITY_AGE:
+        event("its source has moved")
+        if moved is not None and moved > MIN_MOVED_SOURCE_DURATION:
+            assert found.surprised == 0
+            assert np.array_equal(found.belief.mean[:3], pose)
+            np.testing.assert_allclose(found.belief.covariance[:3, :3], NOISE.pose_covariance)
+            assert not found.belief.covariance[:3, 3:].any()
+            assert np.array_equal(found.belief.mean[3:], mean[3:])
+            return
+    elif now > 1:
         P, since, stronger = belief.covariance.copy(), max(now * MAX_OBSERVER_STEP, ago), 2.0 ** min(now - 2, 5)
         usual = np.diag((stronger * PUSH_FORCE_STD * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
         moments = [[since**2 / 3, since / 2], [since / 2, 1.0]]  # of nu' for a while, and of d
