@@ -17,17 +17,24 @@ MAX_UNEXPLAINED_FRACTION, MAX_SOUND_RESIDUAL_FRACTION = 0.25, 0.05
 
 
 class CompetingExplanations(NamedTuple):
-    """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of rows."""
+    """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of that squared."""
 
     left: tuple[float, ...]
     whole: float = 0.0
-    rows: float = 0.0
+    squared: float = 0.0
 
     def and_then(self, left: Sequence[float], whole: float) -> CompetingExplanations:
-        found = tuple([BLOCK_FORGETTING_FACTOR * old + new for old, new in zip(self.left, left, strict=True)])
-        return CompetingExplanations(
-            found, BLOCK_FORGETTING_FACTOR * self.whole + whole, BLOCK_FORGETTING_FACTOR * self.rows + 1.0
+        """With a row more, of which no more is left than there is: one pose that jumps is not to outweigh them all."""
+        found = tuple(
+            [BLOCK_FORGETTING_FACTOR * old + min(new, whole) for old, new in zip(self.left, left, strict=True)]
         )
+        squared = BLOCK_FORGETTING_FACTOR**2 * self.squared + whole * whole
+        return CompetingExplanations(found, BLOCK_FORGETTING_FACTOR * self.whole + whole, squared)
+
+    @property
+    def rows(self) -> float:
+        """How many rows count: Kish's effective size, since those with little to explain tell little."""
+        return self.whole * self.whole / self.squared if self.squared > 0.0 else 0.0
 
     @property
     def evidence(self) -> list[float]:

@@ -82,7 +82,8 @@ class SensorMonitor:
         self._blocks: tuple[SensorBlock, ...] = ()
         self._sideways = self._turning = CompetingExplanations((0.0,) * len(HEADING_FACTORS))
         self._first_heading, self._axle = math.nan, AxleMonitor()
-        self._lengths, self._fast = CompetingExplanations((0.0,) * len(LENGTH_UNITS)), CompetingExplanations((0.0,))
+        self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
+        self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
         self._products, self._rows = np.zeros((2, 2)), 0.0
         self._sure, self._noise_blocks = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
@@ -162,7 +163,8 @@ class SensorMonitor:
                 slipped.append(off)
             self._sideways = self._sideways.and_then([off * off for off in slipped], distance)
             self._axle = self._axle.and_then(turns[0], slipped[0] / by_y, distance)
-        self._fast = self._fast.and_then([(MAX_PLAUSIBLE_SPEED * span) ** 2], distance)
+        self._fast = self._fast.and_then([float(distance <= (MAX_PLAUSIBLE_SPEED * span) ** 2)], 1.0)
+        self._speed = math.sqrt(distance) / span
         if first.velocity is None or last.velocity is None:
             return
         u, v, r = [0.5 * span * (old + new) for old, new in zip(first.velocity, last.velocity, strict=True)]
@@ -233,9 +235,8 @@ class SensorMonitor:
             unit = list(LENGTH_UNITS)[1 + units.index(max(units))]
             words = f"positions are in {unit}, not m, beside their velocities"
             yield Suspicion("unit", "pose", sum(units), 1.0 / LENGTH_UNITS[unit], words)
-        elif self._fast.rows >= MIN_EVIDENCE_ROWS and self._fast.whole > self._fast.left[0]:
-            speed = math.sqrt(self._fast.whole / self._fast.left[0]) * MAX_PLAUSIBLE_SPEED
-            yield Suspicion("unit", "pose", 1.0, None, f"positions move at {speed:.0f} m/s: look at their unit")
+        elif self._fast.rows >= MIN_EVIDENCE_ROWS and self._fast.left[0] < 0.5 * self._fast.whole:
+            yield Suspicion("unit", "pose", 1.0, None, f"positions move at {self._speed:.0f} m/s: look at their unit")
         if reversed_ > RETAINED_PROBABILITY:
             yield Suspicion("sign", "pose", reversed_, -1.0, "positions go against their velocities")
 
@@ -257,7 +258,7 @@ class SensorMonitor:
             shares += [PowerBalance.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
         odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(
-            np.array(CompetingExplanations(tuple(shares), 1.0, self._rows).evidence), odds
+            np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._rows).evidence), odds
         ).tolist()
         if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
             where = ("wrench", *arms)[wrong.index(max(wrong))]

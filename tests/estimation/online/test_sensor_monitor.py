@@ -204,3 +204,12 @@ def test_a_block_takes_few_calls(at_once, calls):
             watch.go_on(row.time, rows[max(i - 30, 0) : i + 1], at_once=at_once)
             found += 1
     assert 500 // 25 <= found <= calls * (500 // 25 + 1)
+
+
+@pytest.mark.parametrize("turned_by", [np.pi, 2.0, -0.8])
+def test_headings_that_jump_are_not_in_degrees(turned_by):
+    """A source of poses that turns for half a second: one row is not to outweigh the others."""
+    log = run()
+    wrong = (log.time > 3.0) & (log.time < 3.5)
+    found = replay(replace(log, pose=log.pose + np.outer(wrong, [0.0, 0.0, turned_by])), CartFilter(GUESS, noise=NOISY))
+    assert not [one for told in found.estimates for one in told.suspicions if one.where == "heading"]
