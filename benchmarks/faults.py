@@ -2,11 +2,11 @@
 
 A cart of 24 kg that is guessed at 20 kg, two hands of 60 N and 8 N·m. In the first two seconds of a path one thing goes
 wrong for 0.05 to 0.8 s: poses are gone, or all that is sensed; they are no numbers, jump by a metre, or come 0.2 s
-late; the tracker has frozen, which repeats what it told last; wrenches are not told; an arm gives nothing; or the path
-asks for more than the hands can give. At no tick may a wrench be beyond a limit, or no number. 2 s after the fault the
-cart has to be at rest, or on its path. With `--whole` hands regrasp all the time, their wrenches change by 600 N/s at
-most, and the cart must not skid or tip over with 99 %; a wrench that changes faster, or of a hand on its way, is beyond
-a limit then.
+late; the tracker has frozen, which repeats what it told last, has another origin, or headings that are turned; wrenches
+are not told; an arm gives nothing; or the path asks for more than the hands can give. At no tick may a wrench be beyond
+a limit, or no number. 2 s after the fault the cart has to be at rest, or on its path. With `--whole` hands regrasp all
+the time, their wrenches change by 600 N/s at most, and the cart must not skid or tip over with 99 %; a wrench that
+changes faster, or of a hand on its way, is beyond a limit then.
 """
 
 from __future__ import annotations
@@ -41,23 +41,28 @@ FORCE, MOMENT, RATE = 60.0, 8.0, 600.0
 NEAR, SLOW, AFTER = 0.05, 0.02, 2.0
 """m from the path, m/s and rad/s at rest, s."""
 ODD = (np.nan, np.inf, -np.inf, 1e300, -1e12)
-KINDS = ("no pose", "nothing", "odd", "jumps", "late", "no wrench", "lost arm", "too much asked", "frozen")
+FIRST_KINDS = ("no pose", "nothing", "odd", "jumps", "late", "no wrench", "lost arm", "too much asked")
+LATER_KINDS = ("frozen", "origin", "turned")
+KINDS = (*FIRST_KINDS, *LATER_KINDS)
 
 
 @dataclass(frozen=True)
 class Fault:
-    """What goes wrong, and from when to when (s)."""
+    """What goes wrong, from when to when (s); and by how much a source of poses is off (3,), m and rad."""
 
     kind: str
     begin: float
     end: float
+    off: tuple[float, float, float] = (0.0, 0.0, 0.0)
 
     @classmethod
     def drawn(cls, random: np.random.Generator) -> Fault:
-        *others, latest = KINDS  # which came later, and is drawn last: seeds without it keep their faults
-        begin, kind = float(random.uniform(0.5, 1.5)), str(random.choice(others))
+        begin, kind = float(random.uniform(0.5, 1.5)), str(random.choice(FIRST_KINDS))
         end = begin + float(random.uniform(0.05, 0.8))
-        return cls(latest if random.random() < 1.0 / len(KINDS) else kind, begin, end)
+        if random.random() < len(LATER_KINDS) / len(KINDS):
+            kind = str(random.choice(LATER_KINDS))
+        x, y, heading = random.uniform(-1.0, 1.0, 3) * (5.0, 5.0, np.pi)
+        return cls(kind, begin, end, (x, y, 0.0) if kind == "origin" else (0.0, 0.0, heading))
 
     def acts(self, time: float) -> bool:
         return self.begin <= time < self.end
@@ -115,7 +120,7 @@ def run(seed: int, whole: bool = False) -> Outcome:
         acts = fault.acts(0.01 * k)
         measured = sensors.motion(plant.time, plant.motion)
         held = held if acts else measured
-        step = controller.step(_spoiled(fault.kind, measured, held, random) if acts else measured)
+        step = controller.step(_spoiled(fault, measured, held, random) if acts else measured)
         beyond = max(beyond, *(_beyond(wrench) for wrench in step.wrenches.values()))
         if whole:
             changes = [float(np.abs(step.wrenches[name] - last[name]).max()) - RATE * 0.01 for name in last]
@@ -132,9 +137,9 @@ def run(seed: int, whole: bool = False) -> Outcome:
     return Outcome(fault.kind, beyond, off, float(np.abs(plant.motion.velocity).max()))
 
 
-def _spoiled(kind: str, measured: Measurement, held: Measurement, random: np.random.Generator) -> Measurement:
+def _spoiled(fault: Fault, measured: Measurement, held: Measurement, random: np.random.Generator) -> Measurement:
     """One tick of a fault of the senses; `held` is what was told before it."""
-    time, pose, velocity = measured.time, measured.pose, measured.velocity
+    kind, time, pose, velocity = fault.kind, measured.time, measured.pose, measured.velocity
     if kind == "no pose":
         return Measurement(time, None, velocity)
     if kind == "nothing":
@@ -143,6 +148,8 @@ def _spoiled(kind: str, measured: Measurement, held: Measurement, random: np.ran
         return Measurement(time, held.pose, held.velocity)
     if kind == "odd":
         return Measurement(time, np.full(3, random.choice(ODD)), np.full(3, random.choice(ODD)))
+    if kind in ("origin", "turned"):
+        return Measurement(time, pose + np.array(fault.off), velocity)
     if kind == "jumps":
         return Measurement(time, pose + random.normal(0.0, 1.0, 3) * (random.random() < 0.3), velocity)
     return Measurement(time - 0.2 * (kind == "late"), pose, velocity)

@@ -30,14 +30,16 @@ COMMAND_TRACKING_WORDS = {IDLE: "an arm gives little", NO_ARM: "no arm gives wha
 @dataclass(frozen=True)
 class Caution:
     """By the estimate's health, or `idle_arm` and `no_arm`, of which those left out change nothing. The cart also stops
-    along its path while no plan can be given, and while it is behind. After `load_changed` the filter's own deviations
-    are as wide as needed. A cart that coasts, since no arm gives anything, is not waited for where it is ahead.
+    along its path while no plan can be given, and while it is behind; and where what is measured of its motion surely
+    isn't it, nothing is given. After `load_changed` the filter's own deviations are as wide as needed. A cart that
+    coasts, since no arm gives anything, is not waited for where it is ahead.
 
     Args:
         pace: Share of the reference's speed at which the cart goes on, 0 to 1.
         widen: Times as many standard deviations are kept from limits with a `confidence`, 1 or more.
         change: Of the pace at most, 1/s: 0.5 stops within 2 s.
         short: Share of the reference's speed while not all of the margins can be kept.
+        astray: m and rad off the path, from which on the cart is not driven there but stopped (protective_stop.py).
         behind: m along the path from where the cart is to be, from which on the reference waits for it. Beside the
             path no waiting helps: wheels that don't slip get back to it by going on.
         sure: Deviation of the mass, as a share of it, up to which the tracker uses what is newly learned of the cart;
@@ -63,6 +65,7 @@ class Caution:
     widen: Mapping[str, float] = field(default_factory=lambda: {"inconsistent": 2.0, "outliers": 1.5, "no_wrench": 1.5})
     change: float = 0.5
     short: float = 0.5
+    astray: float = 1.0
     behind: float = 0.3
     sure: float = 0.15
 
@@ -75,7 +78,8 @@ class Caution:
                 number(f"caution: {name}: {health}", value, low, high)
         positive("caution: change", self.change, MAX_CHANGE, "give 1/s")
         number("caution: short", self.short, 0.0, 1.0)
-        positive("caution: behind", self.behind, MAX_DISTANCE, "give m")
+        for name in ("astray", "behind"):
+            positive(f"caution: {name}", getattr(self, name), MAX_DISTANCE, "give m")
         positive("caution: sure", self.sure, MAX_CHANGE, "give a share")
 
     def wanted(self, health: str, last: tuple[str, str], behind: float) -> tuple[float, str]:

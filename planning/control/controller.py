@@ -35,6 +35,7 @@ from .command_tracking import CommandTracking, probed
 from .controller_checks import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
 from .default_filter import default_filter
 from .hand import RegraspTimes
+from .protective_stop import DRIVING, Stage
 from .regrasps import Given, Regrasps
 from .rejection import Rejection
 from .release import Ahead
@@ -170,6 +171,7 @@ class Controller:
         self._used: Estimate | None = None  # of which the cart was
         self._time, self._pace = -math.inf, Pace(0.0)
         self._steady_time = 0.0  # s, which never goes back
+        self._stop = DRIVING
         self._knows_where = False  # once a pose was seen
         self._command_tracking, self._last_wrench_time = CommandTracking(), -math.inf
 
@@ -192,9 +194,7 @@ class Controller:
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
         model = self._used_by(believed).cart() if self.learns else self.cart
-        wanted = np.zeros(3)
-        if self._knows_where:
-            wanted = self._tracker.wrench_b(reference, estimate.motion, model) + self._against(believed)
+        wanted = self._wanted(reference, believed, model)
         chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
         check_chosen(chosen, self._names)
         told = self._for_planner(believed)
@@ -283,18 +283,31 @@ class Controller:
         if caution is None:
             self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
             return self._pace.reference(self.reference, time), self._pace.along, waits
+        there = last.reference if last is not None and self._pace.share > 0.0 else self.reference.at(self._pace.along)
+        if self._knows_where:
+            self._stop = self._stop.after(self.cart, there, estimate, caution.astray)
+        if self._stop.stage is not Stage.DRIVES:
+            self._pace = Pace(self._pace.along, 0.0)
+            return self._pace.reference(self.reference, time), self._pace.along, self._stop.why
         planned, behind, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
             if health == OK and self._idle:
                 health = NO_ARM if self._idle.keys() == self._names else IDLE
-            there = last.reference if self._pace.share > 0.0 else self.reference.at(self._pace.along)
             behind = behind_of(there, estimate.motion.pose_sb)
         wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, waits)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
         self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
         return self._pace.reference(self.reference, time), self._pace.along, slowed
+
+    def _wanted(self, reference: Reference, believed: Estimate, model: CartModel) -> Array:
+        """The planar wrench (3,) in {b} that the cart should feel."""
+        if not self._knows_where or self._stop.stage is Stage.LETS_GO:
+            return np.zeros(3)
+        if self._stop.stage is Stage.BRAKES:
+            return braking_wrench(model, believed.motion, reference.time) + self._against(believed)
+        return self._tracker.wrench_b(reference, believed.motion, model) + self._against(believed)
 
     def _believed(self, estimate: Estimate) -> Estimate:
         """What is acted on: where sensors surely don't mean what they say, nothing that was learned from them."""

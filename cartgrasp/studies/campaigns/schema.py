@@ -58,6 +58,7 @@ class CautionEntry(StrictModel):
     widen: dict[str, float] = Field(default_factory=lambda: dict(DEFAULT_CAUTION.widen))
     change: Positive = DEFAULT_CAUTION.change
     short: NotNegative = DEFAULT_CAUTION.short
+    astray: Positive = DEFAULT_CAUTION.astray
     behind: Positive = DEFAULT_CAUTION.behind
 
 
@@ -66,6 +67,7 @@ class GainsEntry(StrictModel):
     across: Positive | None = None
     heading: Positive | None = None
     velocity: Positive | None = None
+    reach: Positive | None = None
 
 
 class SensorsEntry(StrictModel):
