@@ -3,7 +3,7 @@
 A cart of 24 kg that is guessed at 20 kg, two hands of 60 N and 8 N·m. In the first two seconds of a path one thing goes
 wrong for 0.05 to 0.8 s: poses are gone, or all that is sensed; they are no numbers, jump by a metre, or come 0.2 s
 late; the tracker has frozen, which repeats what it told last, has another origin, or headings that are turned; wrenches
-are not told; an arm gives nothing; or the path asks for more than the hands can give. At no tick may a wrench be beyond
+are not told, or told as -9999; an arm gives nothing; or the path asks for more than the hands can give. At no tick may a wrench be beyond
 a limit, or no number. 2 s after the fault the cart has to be at rest, or on its path. With `--whole` hands regrasp all
 the time, their wrenches change by 600 N/s at most, and the cart must not skid or tip over with 99 %; a wrench that
 changes faster, or of a hand on its way, is beyond a limit then.
@@ -42,7 +42,7 @@ NEAR, SLOW, AFTER = 0.05, 0.02, 2.0
 """m from the path, m/s and rad/s at rest, s."""
 ODD = (np.nan, np.inf, -np.inf, 1e300, -1e12)
 FIRST_KINDS = ("no pose", "nothing", "odd", "jumps", "late", "no wrench", "lost arm", "too much asked")
-LATER_KINDS = ("frozen", "origin", "turned")
+LATER_KINDS = ("frozen", "origin", "turned", "no reading")
 KINDS = (*FIRST_KINDS, *LATER_KINDS)
 
 
@@ -131,6 +131,8 @@ def run(seed: int, whole: bool = False) -> Outcome:
         if acts and fault.kind == "lost arm":
             given = ContactWrenches({**given.wrenches, "left": np.zeros(6)}, given.contacts)
             felt = Measurement(felt.time, wrenches={**felt.wrenches, "left": np.zeros(6)}, contacts=felt.contacts)
+        if acts and fault.kind == "no reading":
+            felt = replace(felt, wrenches=dict.fromkeys(felt.wrenches, np.full(6, -9999.0)))
         controller.observe(Measurement(felt.time) if acts and fault.kind == "no wrench" else felt)
         off = float(np.hypot(*(plant.motion.pose_sb - step.reference.pose_sb)[:2]))
         plant.step(given, 0.01)

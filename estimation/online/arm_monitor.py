@@ -1,20 +1,43 @@
-"""Arms whose wrenches can't be used, whatever they are: none has come, or nobody has said where the arm holds."""
+"""Arms whose wrenches can't be used: none has come, nobody has said where the arm holds, or they are far beyond what
+pushes such a cart, as numbers are that stand for no reading (-9999)."""
 
 from __future__ import annotations
 
+import math
 from collections.abc import Iterator, Sequence
+from dataclasses import replace
 
+import numpy as np
+
+from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
+from cartgrasp.wheels import GRAVITY
 
 from ..sensor_check.suspicion import Suspicion
 
+MAX_WEIGHT_RATIO = 5.0
+"""Times the weight of the cart as first guessed, N and N·m: no arm gives as much, be it to squeeze a cart."""
+
 
 class ArmMonitor:
-    """Notes of which arms there were wrenches and contacts so far."""
+    """Notes of which arms there were wrenches and contacts so far, and which are too large in the last sample."""
 
-    def __init__(self, arms: Sequence[str] | None) -> None:
-        self._asked = arms
+    def __init__(self, cart: CartModel, arms: Sequence[str] | None) -> None:
+        self._asked, self._weight = arms, GRAVITY * cart.inertia.mass
         self._recorded, self._holding = set[str](), set[str]()
+        self._too_large: dict[str, float] = {}
+
+    def within_range(self, measurement: Measurement) -> Measurement:
+        """With numbers that are none for wrenches that are too large."""
+        if not measurement.wrenches:
+            return measurement
+        most = MAX_WEIGHT_RATIO * self._weight
+        sizes = {arm: math.hypot(wrench[0], wrench[1], wrench[5]) for arm, wrench in measurement.wrenches.items()}
+        self._too_large = {arm: size for arm, size in sizes.items() if size > most}
+        if not self._too_large:
+            return measurement
+        nothing = dict.fromkeys(self._too_large, np.full(6, np.nan))
+        return replace(measurement, wrenches={**measurement.wrenches, **nothing})
 
     def note(self, measurement: Measurement) -> None:
         self._recorded |= measurement.wrenches.keys()
@@ -29,6 +52,9 @@ class ArmMonitor:
                 yield _missing(arm, f"no wrench of it has come; those that came are of {others}")
             elif arm not in self._holding:
                 yield _missing(arm, f"its wrenches come without a contact; give contacts={{{arm!r}: (x, y, z)}} once")
+        for arm, size in self._too_large.items():
+            times = f"{size / self._weight:.2g} times the weight of the cart"
+            yield _missing(arm, f"its wrench is {times}: that is no reading, or it is not in N and N·m")
 
 
 def _missing(arm: str, words: str) -> Suspicion:

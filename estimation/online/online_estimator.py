@@ -41,7 +41,11 @@ class OnlineEstimator(ABC, Generic[C]):
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._sensor_monitor = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
         self._samples, self._clock = LateSamples(core), ClockMonitor()
-        self._repeats, self._frozen, self._arms_seen = RepeatedPoses(), FrozenWrenches(), ArmMonitor(self.arms)
+        self._repeats, self._frozen, self._arms_seen = (
+            RepeatedPoses(),
+            FrozenWrenches(),
+            ArmMonitor(self.cart, self.arms),
+        )
         self._motion: Motion | None = None  # as told last
 
     @abstractmethod
@@ -55,6 +59,7 @@ class OnlineEstimator(ABC, Generic[C]):
         try:
             sample = samples.on_steady_clock(self._tracked.at_body(measurement))
             sample = self._frozen.without_frozen(self._repeats.without_repeats(sample, self._motion))
+            sample = self._arms_seen.within_range(sample)
             before = samples.state.time
             is_taken = samples.take(sample)
             self._clock.note(sample)
@@ -64,7 +69,7 @@ class OnlineEstimator(ABC, Generic[C]):
             is_free = now >= watch.due and (is_slow or not samples.state.worked)
             if is_free and watch.go_on(now, samples.last, at_once=is_slow):
                 samples.scale_noise(watch.noise_factors)
-        except (TypeError, ValueError, AttributeError):
+        except (TypeError, ValueError, AttributeError, IndexError):
             check_measurement(measurement)
             raise
         found = self.estimate

@@ -13,7 +13,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
-from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator
+from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior, RegressorEstimator
 from estimation.health import Health
 from estimation.online.late_samples import MAX_SAMPLE_DELAY, LateSamples
 
@@ -181,6 +181,28 @@ def test_arms_without_a_usable_wrench_are_named(arms, holds, words):
         estimate = learner.update(Measurement(0.01 * k, np.zeros(3), np.zeros(3), {"left": np.zeros(6)}, holds))
     assert estimate.health == "no_wrench"
     assert [(one.kind, one.words) for one in estimate.suspicions] == [("missing", words)]
+
+
+@pytest.mark.parametrize("arms", [["left", "right"], ["left"]], ids=["both", "one"])
+@pytest.mark.parametrize("size", [-9999.0, 32767.0, 1e5, np.inf])
+@pytest.mark.parametrize("online", [CartFilter, RegressorEstimator, DisturbedFilter])
+def test_what_no_arm_gives_is_no_wrench(online, size, arms):
+    """As if nothing had been recorded, to the last bit."""
+    log, found = simulate_two_hands(TRUTH, 4, duration=3.0), []
+    for told in (size, np.nan):
+        estimator = online(guess(), ["left", "right"], noise=replace(NOISE, force=1.0, moment=0.05))
+        for m in log.measurements():
+            if 1.0 <= m.time < 1.7:
+                m = replace(m, wrenches={**m.wrenches, **dict.fromkeys(arms, np.full(6, told))})
+            estimate = estimator.update(m)
+            if 1.65 < m.time < 1.7 and told is size:
+                assert estimate.health == "no_wrench"
+                words = "times the weight of the cart: that is no reading, or it is not in N and N·m"
+                assert [one.where for one in estimate.suspicions if words in one.words] == arms
+        found.append(estimate)
+    assert found[0].health == found[1].health
+    np.testing.assert_array_equal(found[0].model_parameters, found[1].model_parameters)
+    np.testing.assert_array_equal(found[0].motion.pose_sb, found[1].motion.pose_sb)
 
 
 @ONLINE
