@@ -3,10 +3,10 @@
 A cart of 24 kg that is guessed at 20 kg, two hands of 60 N and 8 N·m. In the first two seconds of a path one thing goes
 wrong for 0.05 to 0.8 s: poses are gone, or all that is sensed; they are no numbers, jump by a metre, or come 0.2 s
 late; the tracker has frozen, which repeats what it told last, has another origin, or headings that are turned; wrenches
-are not told, or told as -9999; an arm gives nothing; or the path asks for more than the hands can give. At no tick may a wrench be beyond
-a limit, or no number. 2 s after the fault the cart has to be at rest, or on its path. With `--whole` hands regrasp all
-the time, their wrenches change by 600 N/s at most, and the cart must not skid or tip over with 99 %; a wrench that
-changes faster, or of a hand on its way, is beyond a limit then.
+are not told, or told as -9999; an arm gives nothing; or the path asks for more than the hands can give. At no tick may
+a wrench be beyond a limit, or no number. 2 s after the fault the cart has to be at rest, or on its path. With `--whole`
+hands regrasp all the time, their wrenches change by 600 N/s at most, and the cart must not skid or tip over with 99 %;
+a wrench that changes faster, or of a hand on its way, is beyond a limit then.
 """
 
 from __future__ import annotations

@@ -38,8 +38,8 @@ def see(
     samples in a row have surprised before, since when (s ago) they may have, and the time. Returns how many have by
     now, beginning anew with one that a push explains, or -1 where nothing is there. Each one more that the push does
     not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
-    source of poses has moved, and is believed again when that has stayed for long enough. `source` (5,): by how much it
-    has moved, since when, and when the velocity was last as believed."""
+    source of poses has moved, and is believed again when that has stayed for long enough; until then the velocity alone
+    is taken in. `source` (5,): by how much it has moved, since when, and when the velocity was last as believed."""
     (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
@@ -65,7 +65,10 @@ def see(
         if time - source[3] > MIN_MOVED_SOURCE_DURATION:
             _move(c, mean, covariance, pose)
             return 0
-    elif surprised > 1:
+        if m > 3:
+            _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
+        return surprised
+    if surprised > 1:
         put(covariance, opened)
         stronger = 2.0 ** min(surprised - 2, MAX_PUSH_DOUBLINGS)
         _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, min(since, MAX_TRACKING_GAP)), opened)

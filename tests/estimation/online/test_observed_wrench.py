@@ -166,6 +166,7 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
             assert not found.belief.covariance[:3, 3:].any()
             assert np.array_equal(found.belief.mean[3:], mean[3:])
             return
+        H, R, residual, square = H[3:], R[3:, 3:], residual[3:], 0.0  # the velocity alone
     elif now > 1:
         P, since, stronger = belief.covariance.copy(), max(now * MAX_OBSERVER_STEP, ago), 2.0 ** min(now - 2, 5)
         usual = np.diag((stronger * PUSH_FORCE_STD * NOISE.wrench_scale(of.cart)) ** 2 + mean[3 + k :] ** 2)
