@@ -46,6 +46,7 @@ class SchmidtFilter:
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
         self.now.health[:] = empty_health_table()
+        self.now.outlier_run[-1] = -math.inf
         self._set_constants()
         self._let_go()
 

@@ -38,8 +38,9 @@ def see(
     samples in a row have surprised before, since when (s ago) they may have, and the time. Returns how many have by
     now, beginning anew with one that a push explains, or -1 where nothing is there. Each one more that the push does
     not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
-    source of poses has moved, and is believed again when that has stayed for long enough; until then the velocity alone
-    is taken in. `source` (5,): by how much it has moved, since when, and when the velocity was last as believed."""
+    source of poses has moved, and is believed again when that has stayed for as long as what is believed, 2 s at most;
+    until then the velocity alone is taken in. `source` (6,): by how much it has moved, since when, when the velocity
+    was last as believed, and since when the pose is believed."""
     (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
@@ -62,8 +63,9 @@ def see(
         if source[3] > time or not _is_near(c, residual, source, MAX_DRIFT_SPEED * (time - source[3])):
             copy(residual[:3], source[:3])
             source[3] = time
-        if time - source[3] > MIN_MOVED_SOURCE_DURATION:
+        if time - source[3] > min(source[3] - source[5], MIN_MOVED_SOURCE_DURATION):
             _move(c, mean, covariance, pose)
+            source[5] = time
             return 0
         if m > 3:
             _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
@@ -74,7 +76,7 @@ def see(
         _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, min(since, MAX_TRACKING_GAP)), opened)
         if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISE_CHI2:
             put(opened, covariance)
-            surprised, square = 1, 0.0
+            surprised, square, source[5] = 1, 0.0, time
     if square > SURPRISE_CHI2:
         _widen(covariance, rows[:m], square / SURPRISE_CHI2, R)
     _update(mean, covariance, (rows[:m], residual[:m], R), room)

@@ -6,11 +6,11 @@ arms leaves a belief that moves otherwise than the cart, from which all later po
 that a cart could have gone along is believed after a while, and the motion begins anew there. Outliers that jump don't
 agree; a sensor that stands still repeats its pose to the last digit; and where velocities are measured, poses have to
 go where these say. Those are in {s}, so that a heading that is believed wrongly doesn't turn them. Where the belief
-goes there as well, only the source of poses can have moved: that may be over soon, and velocities tell the way
-meanwhile.
+goes there as well, only the source of poses can have moved: it is believed when that has lasted for as long as the belief,
+and velocities tell the way meanwhile. The first belief is that in which the path is planned, and has lasted.
 
 Of a run: how many, since when, the last time; the first pose, the last one, and what was believed at the first; how far
-the cart has gone since by its measured velocities, and up to when.
+the cart has gone since by its measured velocities, and up to when; and when the motion last began anew.
 """
 
 from __future__ import annotations
@@ -29,7 +29,7 @@ from .sensor_health import MAX_OUTLIER_FRACTION
 MIN_RUN_POSES, MIN_RUN_DURATION, MAX_RUN_GAP = 4, 0.1, 0.5
 """Poses, s that they last at least, and s between two at most."""
 MIN_MOVED_SOURCE_DURATION = 2.0
-"""s that they last at least where the belief goes as velocities say."""
+"""s that is long enough for any that the belief goes along with."""
 MAX_RELOCALISATION_SPEED, MAX_DRIFT_SPEED = 3.0, 0.1
 """m/s or rad/s: of a cart, and of what measured velocities may leave."""
 POSE_AGREEMENT_SIGMAS = 6.0
@@ -42,7 +42,7 @@ RESTART_VELOCITY_STD = 0.3
 def is_relocalised(d: Considered, time: float, seen: Array, gate: float) -> bool:
     """Whether what is seen (6,), a pose, which `d.nis` is of, and a velocity, ends a run that is to be believed."""
     run, first, last = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9]
-    believed, way = d.outlier_run[9:12], d.outlier_run[12:]
+    believed, way = d.outlier_run[9:12], d.outlier_run[12:16]
     pose, velocity = seen[:3], seen[3:]
     if run[0] > 0.0 and math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2]):
         for i in range(3):
@@ -75,7 +75,8 @@ def is_relocalised(d: Considered, time: float, seen: Array, gate: float) -> bool
     if not is_measured:
         return True
     lasting = time - run[1]
-    if lasting < MIN_MOVED_SOURCE_DURATION and _has_gone(d, d.mean, believed, way, lasting):
+    enough = min(run[1] - d.outlier_run[16], MIN_MOVED_SOURCE_DURATION)
+    if lasting < enough and _has_gone(d, d.mean, believed, way, lasting):
         return False
     return _has_gone(d, pose, first, way, lasting)
 
@@ -95,7 +96,7 @@ def restart_motion(d: Considered) -> None:
             d.mean[i] = last[i]
         d.own[i, :], d.own[:, i], d.slopes[i, :] = 0.0, 0.0, 0.0
         d.own[i, i] = d.variances[i] if i < 3 else RESTART_VELOCITY_STD**2
-    run[0] = 0.0
+    run[0], d.outlier_run[16] = 0.0, run[2]
 
 
 @compiled

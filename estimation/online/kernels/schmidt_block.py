@@ -17,7 +17,7 @@ and free ones, and how many numbers stiction has at most."""
 
 class Considered(NamedTuple):
     """Believed: mean (n,), own covariance (n, n), slopes by the free parameters (n, f); how poised each memory is (m,);
-    the last NIS (2,), how sensors do (3, 4), as in `sensor_health.py`, and poses that are astray (16,), as in
+    the last NIS (2,), how sensors do (3, 4), as in `sensor_health.py`, and poses that are astray (17,), as in
     `relocalisation.py`. Of others: parameters (p,) and the free
     ones' covariance (f, f). The last push: its time and that of the one before (2,), the reduced wrench (k,) and its
     covariance (k, k).
@@ -53,7 +53,7 @@ class Considered(NamedTuple):
 
 def new_block(plan: Indices) -> Array:
     n, k, m, p, f = plan[:5].tolist()
-    kept = 2 * n + n * n + n * f + 2 * m + 2 + 12 + 16 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
+    kept = 2 * n + n * n + n * f + 2 * m + 2 + 12 + 17 + p + f * f + 2 + k + 2 * k * k + 6 * k + 6 + 9 + 2
     room = 6 * (n + 3) ** 2 + 2 * n * (f + k) + 3 * f + p + int(plan[5]) + 60
     return np.zeros(kept + room)
 
@@ -67,7 +67,7 @@ def parts(block: Array, plan: Indices) -> Considered:
     poise, at = block[at : at + m], at + m
     nis, at = block[at : at + 2], at + 2
     health, at = block[at : at + 12].reshape((3, 4)), at + 12
-    outlier_run, at = block[at : at + 16], at + 16
+    outlier_run, at = block[at : at + 17], at + 17
     theta, at = block[at : at + p], at + p
     beside, at = block[at : at + f * f].reshape((f, f)), at + f * f
     pushed, at = block[at : at + 2], at + 2

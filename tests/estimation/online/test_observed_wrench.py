@@ -118,14 +118,16 @@ MISSING = st.sets(st.integers(0, 5))
     ago=st.sampled_from([0.01, 0.2]),
     agreed=st.sampled_from([0.05, 0.2]),
     moved=st.sampled_from([None, 1.0, 3.0]),
+    believed=st.sampled_from([np.inf, 1.5, 3.5]),
 )
-def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, moved):
+def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, moved, believed):
     """`known` so well that what surprises may be a push, or one that is over; the last calm sample was so long ago. The
-    last velocity that was as believed came so long ago; and as long the source of poses seems to have moved."""
+    last velocity that was as believed came so long ago; for as long the source of poses seems to have moved, and what
+    was believed before was `believed`."""
     of = observer(kind, "drags")
     seen = drawn(of, numbers)[0]
     jumped = np.append(size * np.sqrt(known) * off[:3], [np.inf if moved is None else seen.time - moved])
-    source = np.append(jumped, seen.time - agreed)
+    source = np.append(jumped, [seen.time - agreed, seen.time - believed])
     seen = replace(seen, surprised=surprised, calm=seen.time - ago, source=source)
     seen = replace(seen, belief=Gaussian(seen.belief.mean, known * seen.belief.covariance))
     off = np.append(np.sqrt(known) * off[:3], off[3:])
@@ -159,7 +161,7 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
         agreed = 0.0 if free <= SURPRISE_CHI2 and np.linalg.norm(sideways) < most else np.inf
     if now > 0 and told[:3].all() and agreed < MAX_VELOCITY_AGE:
         event("its source has moved")
-        if moved is not None and moved > MIN_MOVED_SOURCE_DURATION:
+        if moved is not None and moved > min(MIN_MOVED_SOURCE_DURATION, believed - moved):
             assert found.surprised == 0
             assert np.array_equal(found.belief.mean[:3], pose)
             np.testing.assert_allclose(found.belief.covariance[:3, :3], NOISE.pose_covariance)
