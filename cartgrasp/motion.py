@@ -126,8 +126,13 @@ class Estimate(NamedTuple):
         return "\n  ".join([seen, told, *pushed, *[one.words for one in self.suspicions]])
 
     def cart(self) -> CartModel:
-        """The cart as now estimated."""
-        return self.structure.with_parameters(self.model_parameters)
+        """The cart as now estimated. On a rail only the mass is: CoM and inertia per mass are those of the first
+        guess."""
+        parameters = self.model_parameters
+        if self.structure.constraints.no_rotation:
+            first = self.structure.inertia.phi
+            parameters = np.append(first * (parameters[0] / first[0]), parameters[N_PHI:])
+        return self.structure.with_parameters(parameters)
 
     @property
     def com_covariance(self) -> Array | None:

@@ -45,7 +45,7 @@ MAX_PLAUSIBLE_SPEED = 40.0
 """m/s that no cart goes."""
 LENGTH_UNITS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
 """What a metre is recorded as."""
-FORCE_UNITS = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0, "mN": 0.001}
+FORCE_UNITS = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0}
 """N in each unit."""
 FRICTION_LOG_STD = math.log(2.0)
 """Standard deviation of the logarithm of the friction as guessed, beside that of the mass."""
@@ -84,7 +84,7 @@ class SensorMonitor:
         self._first_heading, self._axle = math.nan, AxleMonitor()
         self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
         self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
-        self._products, self._rows = np.zeros((2, 2)), 0.0
+        self._products, self._rows, self._power = np.zeros((2, 2)), 0.0, CompetingExplanations(())
         self._sure, self._noise_blocks = 0, 0.0
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
@@ -195,8 +195,10 @@ class SensorMonitor:
         powers = np.array([inertial, friction, *given])
         if len(powers) != len(self._products):
             self._products, self._rows = np.zeros((len(powers), len(powers))), 0.0
+            self._power = CompetingExplanations(())
         self._products = BLOCK_FORGETTING_FACTOR * self._products + np.outer(powers, powers)
         self._rows = BLOCK_FORGETTING_FACTOR * self._rows + 1.0
+        self._power = self._power.and_then((), float(powers @ powers))
 
     # --- what follows ----------------------------------------------------------------------------------------
 
@@ -253,12 +255,12 @@ class SensorMonitor:
         if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
             return
         arms = self._arms[: len(self._products) - 2]
-        shares = [powers.left(sign, self._rows) for sign in (1.0, -1.0)]
+        shares = [powers.left(sign, self._power.rows) for sign in (1.0, -1.0)]
         if len(arms) > 1:
-            shares += [PowerBalance.of(self._products, k).left(1.0, self._rows) for k in range(len(arms))]
+            shares += [PowerBalance.of(self._products, k).left(1.0, self._power.rows) for k in range(len(arms))]
         odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(
-            np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._rows).evidence), odds
+            np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._power.rows).evidence), odds
         ).tolist()
         if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
             where = ("wrench", *arms)[wrong.index(max(wrong))]

@@ -285,7 +285,7 @@ class Controller:
             return self._pace.reference(self.reference, time), self._pace.along, waits
         there = last.reference if last is not None and self._pace.share > 0.0 else self.reference.at(self._pace.along)
         if self._knows_where:
-            self._stop = self._stop.after(self.cart, there, estimate, caution.astray)
+            self._stop = self._stop.after(self._steady_time, self.cart, there, estimate, caution.astray)
         if self._stop.stage is not Stage.DRIVES:
             self._pace = Pace(self._pace.along, 0.0)
             return self._pace.reference(self.reference, time), self._pace.along, self._stop.why
@@ -306,7 +306,9 @@ class Controller:
         if not self._knows_where or self._stop.stage is Stage.LETS_GO:
             return np.zeros(3)
         if self._stop.stage is Stage.BRAKES:
-            return braking_wrench(model, believed.motion, reference.time) + self._against(believed)
+            model = max(model, self.cart, key=lambda cart: cart.inertia.mass)  # what is learned may be wrong by now
+            stop, motion = self._stop, believed.motion
+            return braking_wrench(model, motion, reference.time, stop.share, stop.crept) + self._against(believed)
         return self._tracker.wrench_b(reference, believed.motion, model) + self._against(believed)
 
     def _believed(self, estimate: Estimate) -> Estimate:

@@ -3,25 +3,29 @@ driven there but stopped.
 
 A pose source that changes its origin, or turns by half a turn, moves the cart where it is not; with a heading that is
 wrong, what brakes by the measured velocity drives. So a stop is monitored, as in the stop category SS1 of IEC
-61800-5-2: kinetic energy that grows while it should fade ends it, and nothing is given any more (STO).
+61800-5-2: while the cart is quick its kinetic energy has to fall, else nothing is given (STO). That may be for a push,
+too. So after a pause, which is twice as long each time, it is braked again, and gently.
 """
 
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from enum import Enum
 
+from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Reference
 from cartgrasp.rigid_body import mass_matrix_b
 
 from ..steering import Triple, error_b
 
-MAX_ENERGY_RATIO, MAX_ENERGY_SPEED = 1.5, 0.2
-"""Times the kinetic energy with which a stop began, beside that of this speed (m/s): braking leaves less."""
-MIN_JUMP = 0.3
-"""m or rad between two ticks, which no cart moves: the pose is believed to be elsewhere, and the stop begins anew."""
+MONITORING_INTERVAL, MONITORED_SPEED = 0.2, 0.5
+"""s in which braking has to have taken energy; and m/s of a cart that is quick enough for a slope not to do more."""
+HOLDING_SPEED = 0.3
+"""m/s, below which a cart is held where it is, as its velocity tells: braking alone would let it creep down a slope."""
+FIRST_PAUSE, GENTLE_SHARE = 0.5, 0.25
+"""s for which nothing is given at first; and the share of the usual braking that is tried after it."""
 MOTION_SOURCES = frozenset({"pose", "heading", "velocity", "yaw_rate"})
 """Where a `Suspicion` is of the motion's sensors."""
 
@@ -34,28 +38,48 @@ class Stage(Enum):
 
 @dataclass(frozen=True)
 class ProtectiveStop:
-    """What is done, why, the kinetic energy (J) with which the stop began, and the error as `error_b` has it."""
+    """What is done since a `time` (s), why, at which `share` of the usual braking, with how much kinetic `energy` (J)
+    that began, how long the next pause is (s); how far a slow cart has gone (k,), m and rad, and up to when (s)."""
 
     stage: Stage = Stage.DRIVES
     why: str = ""
+    time: float = -math.inf
+    share: float = 1.0
     energy: float = math.inf
-    error: Triple = (math.inf, math.inf, math.inf)
+    pause: float = FIRST_PAUSE
+    crept: Array | None = None
+    last: float = math.inf
 
-    def after(self, cart: CartModel, there: Reference, estimate: Estimate, most: float) -> ProtectiveStop:
-        """A tick later, of a `cart` that is to be `there`, `most` m and rad from it at most."""
-        error = error_b(there.pose_sb, estimate.motion.pose_sb, cart.rolling.axle_x or 0.0)
+    def after(self, time: float, cart: CartModel, there: Reference, estimate: Estimate, most: float) -> ProtectiveStop:
+        """At a later time (s), which never goes back, of a `cart` that is to be `there`, `most` m and rad from it at
+        most."""
         misled = _why_misled(estimate)
+        error = error_b(there.pose_sb, estimate.motion.pose_sb, cart.rolling.axle_x or 0.0)
         why = misled or _why_astray(error, most)
         if not why:
             return DRIVING
-        twist_b, matrix = cart.basis_b @ estimate.motion.velocity, mass_matrix_b(cart.inertia.phi)
-        energy = 0.5 * float(twist_b @ matrix @ twist_b)
-        begins = max(abs(new - old) for new, old in zip(error, self.error, strict=True)) > MIN_JUMP
-        begun = energy if begins else self.energy
-        grows = energy > MAX_ENERGY_RATIO * begun + 0.5 * float(matrix[0, 0]) * MAX_ENERGY_SPEED**2
-        if misled or grows or (self.stage is Stage.LETS_GO and not begins):
-            return ProtectiveStop(Stage.LETS_GO, f"gives nothing: {why}", begun, error)
-        return ProtectiveStop(Stage.BRAKES, f"stops: {why}", begun, error)
+        nu, matrix = estimate.motion.velocity, mass_matrix_b(cart.inertia.phi)
+        energy = 0.5 * float(cart.basis_b @ nu @ matrix @ cart.basis_b @ nu)
+        slow, quick = (0.5 * float(matrix[0, 0]) * speed**2 for speed in (HOLDING_SPEED, MONITORED_SPEED))
+        crept = 0.0 * nu if self.crept is None or energy > slow else self.crept + max(time - self.last, 0.0) * nu
+        now = self._monitored(time, (energy, quick), why, bool(misled))
+        return replace(now, crept=crept, last=time)
+
+    def _monitored(self, time: float, energies: tuple[float, float], why: str, is_misled: bool) -> ProtectiveStop:
+        """`energies` are the cart's, and from which on it is quick."""
+        (energy, quick), lasting = energies, time - self.time
+        if is_misled or (self.stage is Stage.LETS_GO and lasting < self.pause):
+            begun = self.time if self.stage is Stage.LETS_GO else time
+            return replace(self, stage=Stage.LETS_GO, why=f"gives nothing: {why}", time=begun)
+        if self.stage is Stage.LETS_GO:
+            return ProtectiveStop(Stage.BRAKES, f"stops: {why}", time, GENTLE_SHARE, energy, 2.0 * self.pause)
+        if self.stage is Stage.DRIVES:
+            return ProtectiveStop(Stage.BRAKES, f"stops: {why}", time, 1.0, energy)
+        if lasting < MONITORING_INTERVAL:
+            return replace(self, why=f"stops: {why}")
+        if energy > max(self.energy, quick):
+            return replace(self, stage=Stage.LETS_GO, why=f"gives nothing: {why}", time=time)
+        return replace(self, why=f"stops: {why}", time=time, share=1.0, energy=energy)
 
 
 DRIVING = ProtectiveStop()

@@ -45,7 +45,7 @@ NOMINAL_SAMPLE_PERIOD = 0.01
 class Observed:
     """Belief of pose, nu and d (3 + 2 k,) at `time` (s); the reduced wrench `given` (k,) from then on with the
     covariance of its noise; how many samples in a row have surprised, and the time of the last one that did not; and
-    the `source` of poses (6,), as `kernels/observed_motion.py` has it."""
+    the `source` of poses (7,), as `kernels/observed_motion.py` has it."""
 
     time: float
     belief: Gaussian
@@ -53,7 +53,7 @@ class Observed:
     given_noise: Array
     surprised: int = 0
     calm: float = -math.inf
-    source: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, math.inf, -math.inf, -math.inf]))
+    source: Array = field(default_factory=lambda: np.array([0.0, 0.0, 0.0, math.inf, -math.inf, -math.inf, 0.0]))
 
     @property
     def k(self) -> int:

@@ -13,7 +13,13 @@ from .correction import add_congruence, carved, eliminate, normalised_square, pu
 from .free_directions import to_free
 from .jit import compiled, entry
 from .observed_wrench import MAX_OBSERVER_STEP, Constants
-from .relocalisation import MAX_DRIFT_SPEED, MIN_MOVED_SOURCE_DURATION, POSE_AGREEMENT_SIGMAS
+from .relocalisation import (
+    MAX_DRIFT_SPEED,
+    MAX_RELOCALISATION_SPEED,
+    MIN_MOVED_SOURCE_DURATION,
+    MIN_RUN_DURATION,
+    POSE_AGREEMENT_SIGMAS,
+)
 
 SURPRISE_CHI2 = 20.5
 """Normalised square of pose and velocity from which a sample surprises: five numbers of white noise are beyond it once
@@ -39,8 +45,9 @@ def see(
     now, beginning anew with one that a push explains, or -1 where nothing is there. Each one more that the push does
     not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
     source of poses has moved, and is believed again when that has stayed for as long as what is believed, 2 s at most;
-    until then the velocity alone is taken in. `source` (6,): by how much it has moved, since when, when the velocity
-    was last as believed, and since when the pose is believed."""
+    until then the velocity alone is taken in. Poses that go on to go elsewhere contradict the velocity, which is left
+    out until it is as believed again. `source` (7,): by how much it has moved, since when, when the velocity was last
+    as believed, since when the pose is believed, and 1 while the velocity is left out."""
     (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
@@ -51,25 +58,32 @@ def see(
     if m == 0:
         return -1
     opened, room = carved(room, n, n)
-    square = _square(covariance, (rows[:m], residual[:m], R), room)
-    surprised = surprised + 1 if square > SURPRISE_CHI2 else 0
     if m >= k and rows[m - k] == 3.0:
         free = rows[m - k : m], residual[m - k : m], R[m - k : m, m - k : m]
         source[4] = time if _is_as_believed(c, belief, velocity, free, room) else -math.inf
-    is_pose = m >= 3 and rows[2] == 2.0
-    if is_pose and surprised == 0:
-        source[3] = math.inf
-    if is_pose and surprised > 0 and time - source[4] < MAX_VELOCITY_AGE:
-        if source[3] > time or not _is_near(c, residual, source, MAX_DRIFT_SPEED * (time - source[3])):
+        source[6] = 0.0 if source[4] == time else source[6]
+        m -= k if source[6] > 0.0 else 0
+        if m == 0:
+            return -1
+    square = _square(covariance, (rows[:m], residual[:m], R), room)
+    is_surprise, is_pose = square > SURPRISE_CHI2, m >= 3 and rows[2] == 2.0
+    surprised = surprised + 1 if is_surprise else 0
+    if is_pose and is_surprise and source[6] == 0.0 and time - source[4] < MAX_VELOCITY_AGE:
+        if source[3] > time:
             copy(residual[:3], source[:3])
             source[3] = time
-        if time - source[3] > min(source[3] - source[5], MIN_MOVED_SOURCE_DURATION):
+        if not _goes_on(c, residual, source, time):
+            if m > 3:
+                _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
+            return surprised
+        if source[6] == 0.0:
             _move(c, mean, covariance, pose)
-            source[5] = time
+            source[3], source[5] = math.inf, time
             return 0
-        if m > 3:
-            _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
-        return surprised
+        m = 3
+        square = _square(covariance, (rows[:m], residual[:m], R), room)
+    elif is_pose:
+        source[3] = math.inf
     if surprised > 1:
         put(covariance, opened)
         stronger = 2.0 ** min(surprised - 2, MAX_PUSH_DOUBLINGS)
@@ -103,6 +117,24 @@ def _is_as_believed(
             sideways[i] -= c.basis[i, a] * nu[a]
     most = MAX_DRIFT_SPEED + POSE_AGREEMENT_SIGMAS * math.sqrt(c.velocity[0, 0] + c.velocity[1, 1])
     return math.hypot(sideways[0], sideways[1]) < most
+
+
+@compiled
+def _goes_on(c: Constants, off: Array, source: Array, time: float) -> bool:
+    """Whether poses that are off by (3,), since their source seems to have moved, are to be believed by now: since it
+    stays, or since they have gone as far again, as a cart may go, and the velocity is left out."""
+    lasting, far = time - source[3], max(math.hypot(source[0], source[1]), abs(source[2]))
+    goes_elsewhere = lasting >= MIN_RUN_DURATION and not _is_near(c, off, source, far)
+    if goes_elsewhere and _is_near(c, off, source, MAX_RELOCALISATION_SPEED * lasting):
+        source[3], source[4], source[6] = math.inf, -math.inf, 1.0
+        return True
+    if lasting <= min(source[3] - source[5], MIN_MOVED_SOURCE_DURATION):
+        return False
+    if _is_near(c, off, source, MAX_DRIFT_SPEED * lasting):
+        return True
+    copy(off[:3], source[:3])
+    source[3] = time
+    return False
 
 
 @compiled

@@ -6,8 +6,8 @@ arms leaves a belief that moves otherwise than the cart, from which all later po
 that a cart could have gone along is believed after a while, and the motion begins anew there. Outliers that jump don't
 agree; a sensor that stands still repeats its pose to the last digit; and where velocities are measured, poses have to
 go where these say. Those are in {s}, so that a heading that is believed wrongly doesn't turn them. Where the belief
-goes there as well, only the source of poses can have moved: it is believed when that has lasted for as long as the belief,
-and velocities tell the way meanwhile. The first belief is that in which the path is planned, and has lasted.
+goes there as well, only the source of poses can have moved: it is believed when that has lasted for as long as the
+belief, and velocities tell the way meanwhile. The first belief is that in which the path is planned, and has lasted.
 
 Of a run: how many, since when, the last time; the first pose, the last one, and what was believed at the first; how far
 the cart has gone since by its measured velocities, and up to when; and when the motion last began anew.

@@ -297,6 +297,17 @@ def test_a_rail_learns_its_mass_alone(online):
     assert not any(estimate.parameters[name].identifiable for name in ("com_x", "com_y", "inertia"))
 
 
+def test_on_a_rail_com_and_inertia_go_with_the_mass():
+    """Nothing tells of them; a cart of 5 kg with the first moment of one of 20 is no body, and had ended a loop."""
+    cart = CartModel(Inertia(20.0, (0.25, 0.0), 2.0), RollingConstraints(no_rotation=True), (ViscousDrag(3.0, 1.2),))
+    learned = CartFilter(cart).update(Measurement(0.0, np.zeros(3)))
+    lighter = learned._replace(model_parameters=np.array([5.0, *cart.parameters[1:4], 4.0, 1.2])).cart()
+    assert lighter.inertia.mass == 5.0
+    assert tuple(lighter.inertia.com) == pytest.approx((0.25, 0.0))
+    assert lighter.inertia.about_com == pytest.approx(0.5)
+    assert lighter.effects[0].linear == 4.0
+
+
 @ONLINE
 def test_a_cart_on_casters_learns_all_four(online):
     """No rolling constraint: Newton-Euler of a free planar body, integrated here."""

@@ -19,7 +19,11 @@ from estimation.online.disturbance.observer import PUSH_FORCE_STD, DisturbanceOb
 from estimation.online.kernels.correction import MIN_ROW_VARIANCE
 from estimation.online.kernels.observed_motion import MAX_VELOCITY_AGE, SURPRISE_CHI2
 from estimation.online.kernels.observed_wrench import MAX_OBSERVER_STEP
-from estimation.online.kernels.relocalisation import MAX_DRIFT_SPEED, MIN_MOVED_SOURCE_DURATION
+from estimation.online.kernels.relocalisation import (
+    MAX_DRIFT_SPEED,
+    MAX_RELOCALISATION_SPEED,
+    MIN_MOVED_SOURCE_DURATION,
+)
 from estimation.online.load_change import load_covariance
 
 from ...core.drawn import CONSTRAINTS, SHOPPING_CART, vectors
@@ -119,15 +123,17 @@ MISSING = st.sets(st.integers(0, 5))
     agreed=st.sampled_from([0.05, 0.2]),
     moved=st.sampled_from([None, 1.0, 3.0]),
     believed=st.sampled_from([np.inf, 1.5, 3.5]),
+    grown=st.sampled_from([1.0, 3.0]),
+    left_out=st.booleans(),
 )
-def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, moved, believed):
+def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, moved, believed, grown, left_out):
     """`known` so well that what surprises may be a push, or one that is over; the last calm sample was so long ago. The
     last velocity that was as believed came so long ago; for as long the source of poses seems to have moved, and what
-    was believed before was `believed`."""
+    was believed before was `believed`; poses are so many times as far off by now; and velocities may be left out."""
     of = observer(kind, "drags")
     seen = drawn(of, numbers)[0]
-    jumped = np.append(size * np.sqrt(known) * off[:3], [np.inf if moved is None else seen.time - moved])
-    source = np.append(jumped, [seen.time - agreed, seen.time - believed])
+    jumped = np.append(size / grown * np.sqrt(known) * off[:3], [np.inf if moved is None else seen.time - moved])
+    source = np.append(jumped, [seen.time - agreed, seen.time - believed, left_out])
     seen = replace(seen, surprised=surprised, calm=seen.time - ago, source=source)
     seen = replace(seen, belief=Gaussian(seen.belief.mean, known * seen.belief.covariance))
     off = np.append(np.sqrt(known) * off[:3], off[3:])
@@ -143,6 +149,15 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
     R[3:, 3:] += to_free @ NOISE.velocity_covariance @ to_free.T
     told = np.isfinite(residual)
     found = of.seen(seen, pose, velocity)
+    if told[3:].all():
+        P, own = seen.belief.covariance, np.s_[3 : 3 + k]
+        free = residual[3:] @ np.linalg.solve(P[own, own] + R[3:, 3:] + MIN_ROW_VARIANCE * np.eye(k), residual[3:])
+        in_b = body_to_world(mean[2]).T @ velocity
+        sideways = (in_b - of.cart.basis_b @ np.linalg.pinv(of.cart.basis_b) @ in_b)[:2]
+        most = MAX_DRIFT_SPEED + 6.0 * np.sqrt(np.trace(NOISE.velocity_covariance[:2, :2]))
+        agreed = 0.0 if free <= SURPRISE_CHI2 and np.linalg.norm(sideways) < most else np.inf
+        left_out = left_out and agreed > 0.0
+        told[3:] &= not left_out
     if not told.any():
         assert found is seen
         return
@@ -152,16 +167,24 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
     if abs(square - SURPRISE_CHI2) < 1e-6:
         return  # rounding decides
     now = surprised + 1 if square > SURPRISE_CHI2 else 0
-    if told[3:].all():
-        own = np.s_[-k:]
-        free = innovation(belief, residual[own], H[own], (R + floor)[own, own]).nis
-        in_b = body_to_world(mean[2]).T @ velocity
-        sideways = (in_b - of.cart.basis_b @ np.linalg.pinv(of.cart.basis_b) @ in_b)[:2]
-        most = MAX_DRIFT_SPEED + 6.0 * np.sqrt(np.trace(NOISE.velocity_covariance[:2, :2]))
-        agreed = 0.0 if free <= SURPRISE_CHI2 and np.linalg.norm(sideways) < most else np.inf
-    if now > 0 and told[:3].all() and agreed < MAX_VELOCITY_AGE:
+    is_elsewhere = now > 0 and told[:3].all() and agreed < MAX_VELOCITY_AGE and not left_out
+    tolerance = 6.0 * np.sqrt(2.0 * np.diag(NOISE.pose_covariance))
+    far, jump = max(np.hypot(*jumped[:2]), abs(jumped[2])), np.zeros(3)
+    if is_elsewhere:
+        jump = residual[:3] - jumped[:3]
+        jump[2] = (jump[2] + np.pi) % (2 * np.pi) - np.pi
+    quick = moved is not None and (np.abs(jump) >= MAX_RELOCALISATION_SPEED * moved + tolerance).any()
+    if is_elsewhere and moved is not None and (np.abs(jump) >= far + tolerance).any() and not quick:
+        event("it goes on to go elsewhere")
+        told, is_elsewhere = told & (np.arange(3 + k) < 3), False
+        H, R, residual = H[:3], R[:3, :3], residual[:3]
+        floor = MIN_ROW_VARIANCE * np.eye(3)
+        square = innovation(belief, residual, H, R + floor).nis
+        assert found.source[6] == 1.0
+    if is_elsewhere:
         event("its source has moved")
-        if moved is not None and moved > min(MIN_MOVED_SOURCE_DURATION, believed - moved):
+        lasted = moved is not None and moved > min(MIN_MOVED_SOURCE_DURATION, believed - moved)
+        if lasted and (np.abs(jump) < MAX_DRIFT_SPEED * moved + tolerance).all():
             assert found.surprised == 0
             assert np.array_equal(found.belief.mean[:3], pose)
             np.testing.assert_allclose(found.belief.covariance[:3, :3], NOISE.pose_covariance)
