@@ -18,6 +18,7 @@ from numpy.typing import ArrayLike
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement, Motion
 
+from .measured_motion import usable
 from .sensor_block import wrapped
 
 MIN_MOVING_SPEED = 0.05
@@ -79,7 +80,7 @@ class RepeatedVelocities:
         """Without a velocity that is none."""
         if measurement.velocity is None or not measurement.time > self._time:
             return measurement
-        velocity = np.asarray(measurement.velocity, dtype=float)
+        velocity = usable(measurement.velocity)
         told, self._time = velocity.tobytes(), measurement.time
         is_again, self._velocity = told == self._velocity, told
         if self._seen < CALIBRATION_VELOCITIES:
@@ -98,9 +99,11 @@ class RepeatedVelocities:
 
     def _goes_elsewhere(self, pose: ArrayLike, velocity: Array) -> bool:
         """Whether a pose is elsewhere than the velocity says that came since the first one."""
-        there = np.asarray(pose, dtype=float)
+        there = usable(pose)
+        if not np.isfinite(there + velocity).all():
+            return False
         if self._began is None:
-            self._began = self._time, there.copy()
+            self._began = self._time, there
             return False
         since, first = self._began
         off = there - first - (self._time - since) * velocity

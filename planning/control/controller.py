@@ -308,7 +308,9 @@ class Controller:
         if self._stop.stage is Stage.BRAKES:
             model = max(model, self.cart, key=lambda cart: cart.inertia.mass)  # what is learned may be wrong by now
             stop, motion = self._stop, believed.motion
-            return braking_wrench(model, motion, reference.time, stop.share, stop.crept) + self._against(believed)
+            return braking_wrench(
+                model, motion, reference.time, stop.share, stop.crept
+            )  # what is observed may be wrong
         return self._tracker.wrench_b(reference, believed.motion, model) + self._against(believed)
 
     def _believed(self, estimate: Estimate) -> Estimate:

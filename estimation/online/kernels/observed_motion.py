@@ -19,6 +19,7 @@ from .relocalisation import (
     MIN_MOVED_SOURCE_DURATION,
     MIN_RUN_DURATION,
     POSE_AGREEMENT_SIGMAS,
+    RESTART_VELOCITY_STD,
 )
 
 SURPRISE_CHI2 = 20.5
@@ -27,6 +28,8 @@ in a thousand times."""
 MAX_POSE = 1e9
 MAX_PUSH_DOUBLINGS = 5
 """Times at most that the push which may have set in is taken to be twice as strong."""
+MAX_PUSH_ACCELERATION = 30.0
+"""m/s²: three times that of gravity."""
 MAX_VELOCITY_AGE = 0.1
 """s for which a velocity that was as believed tells of poses without one."""
 
@@ -45,9 +48,10 @@ def see(
     now, beginning anew with one that a push explains, or -1 where nothing is there. Each one more that the push does
     not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
     source of poses has moved, and is believed again when that has stayed for as long as what is believed, 2 s at most;
-    until then the velocity alone is taken in. Poses that go on to go elsewhere contradict the velocity, which is left
-    out until it is as believed again. `source` (7,): by how much it has moved, since when, when the velocity was last
-    as believed, since when the pose is believed, and 1 while the velocity is left out."""
+    until then the velocity alone is taken in. Poses that go on to go elsewhere contradict the velocity, and so do those
+    that are as believed while it jumps as no push makes it: it is left out until it is as believed again. `source`
+    (7,): by how much it has moved, since when, when the velocity was last as believed, since when the pose is believed,
+    and 1 while the velocity is left out."""
     (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
@@ -61,7 +65,11 @@ def see(
     if m >= k and rows[m - k] == 3.0:
         free = rows[m - k : m], residual[m - k : m], R[m - k : m, m - k : m]
         source[4] = time if _is_as_believed(c, belief, velocity, free, room) else -math.inf
-        source[6] = 0.0 if source[4] == time else source[6]
+        if source[4] == time:
+            source[6] = 0.0
+        elif m == most and _jumps(c, belief, velocity, since):
+            square = _square(covariance, (rows[:3], residual[:3], R), room)
+            source[6] = 1.0 if square <= SURPRISE_CHI2 else source[6]
         m -= k if source[6] > 0.0 else 0
         if m == 0:
             return -1
@@ -77,7 +85,7 @@ def see(
                 _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
             return surprised
         if source[6] == 0.0:
-            _move(c, mean, covariance, pose)
+            _move(c, belief, pose, velocity, room)
             source[3], source[5] = math.inf, time
             return 0
         m = 3
@@ -120,6 +128,17 @@ def _is_as_believed(
 
 
 @compiled
+def _jumps(c: Constants, belief: tuple[Array, Array], velocity: Array, since: float) -> bool:
+    """Whether a velocity is as far from the believed one as no push brings it in so many s."""
+    mean, x, y = belief[0], 0.0, 0.0
+    for a in range(len(c.walk)):
+        x, y = x + c.basis[0, a] * mean[3 + a], y + c.basis[1, a] * mean[3 + a]
+    cosine, sine = math.cos(mean[2]), math.sin(mean[2])
+    off = math.hypot(velocity[0] - (cosine * x - sine * y), velocity[1] - (sine * x + cosine * y))
+    return off > MAX_PUSH_ACCELERATION * since
+
+
+@compiled
 def _goes_on(c: Constants, off: Array, source: Array, time: float) -> bool:
     """Whether poses that are off by (3,), since their source seems to have moved, are to be believed by now: since it
     stays, or since they have gone as far again, as a cart may go, and the velocity is left out."""
@@ -149,11 +168,20 @@ def _is_near(c: Constants, off: Array, other: Array, most: float) -> bool:
 
 
 @compiled
-def _move(c: Constants, mean: Array, covariance: Array, pose: Array) -> None:
-    """To a pose (3,), known as its source tells it."""
+def _move(c: Constants, belief: tuple[Array, Array], pose: Array, velocity: Array, room: Array) -> None:
+    """To a pose (3,), known as its source tells it; with the velocity (3,), if that is there, in its frame."""
+    mean, covariance = belief
+    n_moved, turned = 3, room[: 3 * len(c.walk)].reshape((len(c.walk), 3))
     for i in range(3):
         mean[i] = pose[i]
+    if math.isfinite(velocity[0] + velocity[1] + velocity[2]):
+        to_free(c.project, pose[2], turned)
+        n_moved = 3 + len(c.walk)
+        for a in range(len(c.walk)):
+            mean[3 + a] = turned[a, 0] * velocity[0] + turned[a, 1] * velocity[1] + turned[a, 2] * velocity[2]
+    for i in range(n_moved):
         covariance[i, :], covariance[:, i] = 0.0, 0.0
+        covariance[i, i] = RESTART_VELOCITY_STD**2
     put(c.pose, covariance[:3, :3])
 
 

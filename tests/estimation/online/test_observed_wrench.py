@@ -17,7 +17,7 @@ from estimation import FilterNoise, Prior
 from estimation.gaussian import Gaussian
 from estimation.online.disturbance.observer import PUSH_FORCE_STD, DisturbanceObserver
 from estimation.online.kernels.correction import MIN_ROW_VARIANCE
-from estimation.online.kernels.observed_motion import MAX_VELOCITY_AGE, SURPRISE_CHI2
+from estimation.online.kernels.observed_motion import MAX_PUSH_ACCELERATION, MAX_VELOCITY_AGE, SURPRISE_CHI2
 from estimation.online.kernels.observed_wrench import MAX_OBSERVER_STEP
 from estimation.online.kernels.relocalisation import (
     MAX_DRIFT_SPEED,
@@ -156,6 +156,11 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
         sideways = (in_b - of.cart.basis_b @ np.linalg.pinv(of.cart.basis_b) @ in_b)[:2]
         most = MAX_DRIFT_SPEED + 6.0 * np.sqrt(np.trace(NOISE.velocity_covariance[:2, :2]))
         agreed = 0.0 if free <= SURPRISE_CHI2 and np.linalg.norm(sideways) < most else np.inf
+        jumps = np.linalg.norm((velocity - body_to_world(mean[2]) @ of.cart.basis_b @ mean[3 : 3 + k])[:2])
+        if told.all() and agreed > 0.0 and jumps > MAX_PUSH_ACCELERATION * ago:
+            event("its velocity jumps")
+            S = P[:3, :3] + R[:3, :3] + MIN_ROW_VARIANCE * np.eye(3)
+            left_out |= residual[:3] @ np.linalg.solve(S, residual[:3]) <= SURPRISE_CHI2
         left_out = left_out and agreed > 0.0
         told[3:] &= not left_out
     if not told.any():
@@ -189,7 +194,10 @@ def test_seen(kind, surprised, numbers, off, size, known, missing, ago, agreed, 
             assert np.array_equal(found.belief.mean[:3], pose)
             np.testing.assert_allclose(found.belief.covariance[:3, :3], NOISE.pose_covariance)
             assert not found.belief.covariance[:3, 3:].any()
-            assert np.array_equal(found.belief.mean[3:], mean[3:])
+            turned = np.linalg.pinv(of.cart.basis_b) @ body_to_world(pose[2]).T @ velocity
+            nu = turned if np.isfinite(velocity).all() else mean[3 : 3 + k]
+            np.testing.assert_allclose(found.belief.mean[3 : 3 + k], nu, atol=1e-9)
+            assert np.array_equal(found.belief.mean[3 + k :], mean[3 + k :])
             return
         H, R, residual, square = H[3:], R[3:, 3:], residual[3:], 0.0  # the velocity alone
     elif now > 1:
