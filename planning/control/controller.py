@@ -306,11 +306,9 @@ class Controller:
         if not self._knows_where or self._stop.stage is Stage.LETS_GO:
             return np.zeros(3)
         if self._stop.stage is Stage.BRAKES:
-            model = max(model, self.cart, key=lambda cart: cart.inertia.mass)  # what is learned may be wrong by now
-            stop, motion = self._stop, believed.motion
-            return braking_wrench(
-                model, motion, reference.time, stop.share, stop.crept
-            )  # what is observed may be wrong
+            # What was learned may be wrong by now, and so may be what pushes: nothing is fed forward.
+            model, stop = max(model, self.cart, key=lambda cart: cart.inertia.mass), self._stop
+            return braking_wrench(model, believed.motion, reference.time, stop.share, stop.crept)
         return self._tracker.wrench_b(reference, believed.motion, model) + self._against(believed)
 
     def _believed(self, estimate: Estimate) -> Estimate:

@@ -13,6 +13,8 @@ import math
 from dataclasses import dataclass, replace
 from enum import Enum
 
+import numpy as np
+
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Reference
@@ -22,8 +24,9 @@ from ..steering import Triple, error_b
 
 MONITORING_INTERVAL, MONITORED_SPEED = 0.2, 0.5
 """s in which braking has to have taken energy; and m/s of a cart that is quick enough for a slope not to do more."""
-HOLDING_SPEED = 0.3
-"""m/s, below which a cart is held where it is, as its velocity tells: braking alone would let it creep down a slope."""
+HOLDING_SPEED, MAX_HOLD = 0.3, 0.3
+"""m/s, below which a cart is held where it is, as its velocity tells: braking alone would let it creep down a slope;
+and m or rad that it is held against at most, which holds a slope of 7 degrees."""
 FIRST_PAUSE, GENTLE_SHARE = 0.5, 0.25
 """s for which nothing is given at first; and the share of the usual braking that is tried after it."""
 MOTION_SOURCES = frozenset({"pose", "heading", "velocity", "yaw_rate"})
@@ -61,8 +64,9 @@ class ProtectiveStop:
         nu, matrix = estimate.motion.velocity, mass_matrix_b(cart.inertia.phi)
         energy = 0.5 * float(cart.basis_b @ nu @ matrix @ cart.basis_b @ nu)
         slow, quick = (0.5 * float(matrix[0, 0]) * speed**2 for speed in (HOLDING_SPEED, MONITORED_SPEED))
-        crept = 0.0 * nu if self.crept is None or energy > slow else self.crept + max(time - self.last, 0.0) * nu
-        now = self._monitored(time, (energy, quick), why, bool(misled))
+        now, crept = self._monitored(time, (energy, quick), why, bool(misled)), np.zeros(len(nu))
+        if now.stage is Stage.BRAKES and self.crept is not None and energy < slow:
+            crept = np.clip(self.crept + max(time - self.last, 0.0) * nu, -MAX_HOLD, MAX_HOLD)
         return replace(now, crept=crept, last=time)
 
     def _monitored(self, time: float, energies: tuple[float, float], why: str, is_misled: bool) -> ProtectiveStop:
