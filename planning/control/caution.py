@@ -31,7 +31,7 @@ COMMAND_TRACKING_WORDS = {IDLE: "an arm gives little", NO_ARM: "no arm gives wha
 class Caution:
     """By the estimate's health, or `idle_arm` and `no_arm`, of which those left out change nothing. The cart also stops
     along its path while no plan can be given, and while it is behind; and where what is measured of its motion surely
-    isn't it, nothing is given. After `load_changed` the filter's own deviations are as wide as needed. A cart that
+    isn't it, it is stopped. After `load_changed` the filter's own deviations are as wide as needed. A cart that
     coasts, since no arm gives anything, is not waited for where it is ahead.
 
     Args:

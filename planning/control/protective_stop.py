@@ -56,25 +56,23 @@ class ProtectiveStop:
     def after(self, time: float, cart: CartModel, there: Reference, estimate: Estimate, most: float) -> ProtectiveStop:
         """At a later time (s), which never goes back, of a `cart` that is to be `there`, `most` m and rad from it at
         most."""
-        misled = _why_misled(estimate)
         error = error_b(there.pose_sb, estimate.motion.pose_sb, cart.rolling.axle_x or 0.0)
-        why = misled or _why_astray(error, most)
+        why = _why_misled(estimate) or _why_astray(error, most)
         if not why:
             return DRIVING
         nu, matrix = estimate.motion.velocity, mass_matrix_b(cart.inertia.phi)
         energy = 0.5 * float(cart.basis_b @ nu @ matrix @ cart.basis_b @ nu)
         slow, quick = (0.5 * float(matrix[0, 0]) * speed**2 for speed in (HOLDING_SPEED, MONITORED_SPEED))
-        now, crept = self._monitored(time, (energy, quick), why, bool(misled)), np.zeros(len(nu))
+        now, crept = self._monitored(time, (energy, quick), why), np.zeros(len(nu))
         if now.stage is Stage.BRAKES and self.crept is not None and energy < slow:
             crept = np.clip(self.crept + max(time - self.last, 0.0) * nu, -MAX_HOLD, MAX_HOLD)
         return replace(now, crept=crept, last=time)
 
-    def _monitored(self, time: float, energies: tuple[float, float], why: str, is_misled: bool) -> ProtectiveStop:
+    def _monitored(self, time: float, energies: tuple[float, float], why: str) -> ProtectiveStop:
         """`energies` are the cart's, and from which on it is quick."""
         (energy, quick), lasting = energies, time - self.time
-        if is_misled or (self.stage is Stage.LETS_GO and lasting < self.pause):
-            begun = self.time if self.stage is Stage.LETS_GO else time
-            return replace(self, stage=Stage.LETS_GO, why=f"gives nothing: {why}", time=begun)
+        if self.stage is Stage.LETS_GO and lasting < self.pause:
+            return replace(self, why=f"gives nothing: {why}")
         if self.stage is Stage.LETS_GO:
             return ProtectiveStop(Stage.BRAKES, f"stops: {why}", time, GENTLE_SHARE, energy, 2.0 * self.pause)
         if self.stage is Stage.DRIVES:
