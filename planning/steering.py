@@ -11,7 +11,7 @@ MIN_REFERENCE_SPEED = 1e-3
 
 Pair = tuple[float, float]
 Triple = tuple[float, float, float]
-Gains = tuple[float, float, float, float, float]
+GainNumbers = tuple[float, float, float, float, float]
 
 
 def error_b(reference_sb: Array, pose_sb: Array, axle: float) -> Triple:
@@ -23,7 +23,7 @@ def error_b(reference_sb: Array, pose_sb: Array, axle: float) -> Triple:
     return cosine * x + sine * y, cosine * y - sine * x, wrapped if wrapped < math.pi else -math.pi
 
 
-def steered(error: Triple, angle: float, velocity: Pair, wanted: tuple[Pair, Pair], gains: Gains) -> Pair:
+def steered(error: Triple, angle: float, velocity: Pair, wanted: tuple[Pair, Pair], gains: GainNumbers) -> Pair:
     """nu' of Kanayama's law: `error` as above, of wheels that roll at `angle`; nu; nu and nu' of the reference; gains
     along, across, of heading and of velocity, and the reach of errors."""
     (u, r), (u_d, r_d), (du_d, dr_d) = velocity, wanted[0], wanted[1]

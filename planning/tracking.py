@@ -26,7 +26,7 @@ from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion, Reference
 
-from .steering import MIN_REFERENCE_SPEED, error_b, steered
+from .steering import MIN_REFERENCE_SPEED, GainNumbers, error_b, steered
 
 
 @dataclass(frozen=True)
@@ -47,7 +47,7 @@ class Gains:
         positive("gains: reach", self.reach, MAX_NUMBER, "give m and rad")
 
     @property
-    def numbers(self) -> tuple[float, float, float, float, float]:
+    def numbers(self) -> GainNumbers:
         return self.along, self.across, self.heading, self.velocity, self.reach
 
 

@@ -120,8 +120,8 @@ def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str,
 
 def scaled(gains: Gains, by: float) -> Gains:
     """All errors decay `by` times as fast."""
-    numbers = by * gains.along, by**2 * gains.across, by * gains.heading, by * gains.velocity
-    return Gains(*numbers, gains.reach)
+    quicker = {name: by * getattr(gains, name) for name in ("along", "heading", "velocity")}
+    return replace(gains, across=by**2 * gains.across, **quicker)
 
 
 @dataclass(frozen=True)

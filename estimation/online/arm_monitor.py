@@ -31,9 +31,8 @@ class ArmMonitor:
         """With numbers that are none for wrenches that are too large."""
         if not measurement.wrenches:
             return measurement
-        most = MAX_WEIGHT_RATIO * self._weight
         sizes = {arm: math.hypot(wrench[0], wrench[1], wrench[5]) for arm, wrench in measurement.wrenches.items()}
-        self._too_large = {arm: size for arm, size in sizes.items() if size > most}
+        self._too_large = {arm: size for arm, size in sizes.items() if size > MAX_WEIGHT_RATIO * self._weight}
         if not self._too_large:
             return measurement
         nothing = dict.fromkeys(self._too_large, np.full(6, np.nan))

@@ -22,6 +22,7 @@ from .clock_monitor import ClockMonitor
 from .frozen_wrenches import FrozenWrenches
 from .late_samples import LateSamples, SampleFilter
 from .repeated_poses import RepeatedPoses
+from .repeated_velocities import RepeatedVelocities
 from .sensor_monitor import SensorMonitor
 from .warming import synthetic_push
 
@@ -41,11 +42,8 @@ class OnlineEstimator(ABC, Generic[C]):
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._sensor_monitor = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
         self._samples, self._clock = LateSamples(core), ClockMonitor()
-        self._repeats, self._frozen, self._arms_seen = (
-            RepeatedPoses(),
-            FrozenWrenches(),
-            ArmMonitor(self.cart, self.arms),
-        )
+        self._repeats, self._repeated_velocities = RepeatedPoses(), RepeatedVelocities()
+        self._frozen, self._arms_seen = FrozenWrenches(), ArmMonitor(self.cart, self.arms)
         self._motion: Motion | None = None  # as told last
 
     @abstractmethod
@@ -58,8 +56,8 @@ class OnlineEstimator(ABC, Generic[C]):
         samples, watch = self._samples, self._sensor_monitor
         try:
             sample = samples.on_steady_clock(self._tracked.at_body(measurement))
-            sample = self._frozen.without_frozen(self._repeats.without_repeats(sample, self._motion))
-            sample = self._arms_seen.within_range(sample)
+            sample = self._repeated_velocities.without_repeats(self._repeats.without_repeats(sample, self._motion))
+            sample = self._arms_seen.within_range(self._frozen.without_frozen(sample))
             before = samples.state.time
             is_taken = samples.take(sample)
             self._clock.note(sample)

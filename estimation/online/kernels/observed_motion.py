@@ -10,7 +10,7 @@ from cartgrasp.kernels.workspace import copy
 
 from ..first_motion import MAX_TRACKING_GAP
 from .correction import add_congruence, carved, eliminate, normalised_square, put, wrapped
-from .free_directions import to_free
+from .free_directions import raised, to_free
 from .jit import compiled, entry
 from .observed_wrench import MAX_OBSERVER_STEP, Constants
 from .relocalisation import (
@@ -20,6 +20,7 @@ from .relocalisation import (
     MIN_RUN_DURATION,
     POSE_AGREEMENT_SIGMAS,
     RESTART_VELOCITY_STD,
+    agrees,
 )
 
 SURPRISE_CHI2 = 20.5
@@ -32,6 +33,9 @@ MAX_PUSH_ACCELERATION = 30.0
 """m/s²: three times that of gravity."""
 MAX_VELOCITY_AGE = 0.1
 """s for which a velocity that was as believed tells of poses without one."""
+S_MOVED, S_AGREED, S_BELIEVED, S_LEFT_OUT = 3, 4, 5, 6
+"""Entries of a `source` of poses (7,), after by how much it seems to have moved (3,): since when (inf: it has not);
+when the velocity was last as believed; since when the pose is believed; and 1 while the velocity is left out."""
 
 
 @entry
@@ -49,9 +53,8 @@ def see(
     not explain speaks for one that is twice as strong. No push moves a cart whose velocity is as believed: then the
     source of poses has moved, and is believed again when that has stayed for as long as what is believed, 2 s at most;
     until then the velocity alone is taken in. Poses that go on to go elsewhere contradict the velocity, and so do those
-    that are as believed while it jumps as no push makes it: it is left out until it is as believed again. `source`
-    (7,): by how much it has moved, since when, when the velocity was last as believed, since when the pose is believed,
-    and 1 while the velocity is left out."""
+    that are as believed while it jumps as no push makes it: it is left out until it is as believed again. `source` (7,)
+    is changed."""
     (surprised, since, time), (pose, velocity) = surprises, seen
     (mean, covariance), k = belief, len(c.walk)
     n, most = len(mean), 3 + k
@@ -63,108 +66,105 @@ def see(
         return -1
     opened, room = carved(room, n, n)
     if m >= k and rows[m - k] == 3.0:
-        free = rows[m - k : m], residual[m - k : m], R[m - k : m, m - k : m]
-        source[4] = time if _is_as_believed(c, belief, velocity, free, room) else -math.inf
-        if source[4] == time:
-            source[6] = 0.0
-        elif m == most and _jumps(c, belief, velocity, since):
-            square = _square(covariance, (rows[:3], residual[:3], R), room)
-            source[6] = 1.0 if square <= SURPRISE_CHI2 else source[6]
-        m -= k if source[6] > 0.0 else 0
+        _compare_velocity(c, belief, velocity, (rows[:m], residual[:m], R), (since, time), source, room)
+        m -= k if source[S_LEFT_OUT] > 0.0 else 0
         if m == 0:
             return -1
     square = _square(covariance, (rows[:m], residual[:m], R), room)
     is_surprise, is_pose = square > SURPRISE_CHI2, m >= 3 and rows[2] == 2.0
     surprised = surprised + 1 if is_surprise else 0
-    if is_pose and is_surprise and source[6] == 0.0 and time - source[4] < MAX_VELOCITY_AGE:
-        if source[3] > time:
+    if is_pose and is_surprise and source[S_LEFT_OUT] == 0.0 and time - source[S_AGREED] < MAX_VELOCITY_AGE:
+        if source[S_MOVED] > time:
             copy(residual[:3], source[:3])
-            source[3] = time
+            source[S_MOVED] = time
         if not _goes_on(c, residual, source, time):
             if m > 3:
                 _update(mean, covariance, (rows[3:m], residual[3:m], R[3:m, 3:m]), room)
             return surprised
-        if source[6] == 0.0:
+        if source[S_LEFT_OUT] == 0.0:
             _move(c, belief, pose, velocity, room)
-            source[3], source[5] = math.inf, time
+            source[S_MOVED], source[S_BELIEVED] = math.inf, time
             return 0
         m = 3
         square = _square(covariance, (rows[:m], residual[:m], R), room)
     elif is_pose:
-        source[3] = math.inf
+        source[S_MOVED] = math.inf
     if surprised > 1:
         put(covariance, opened)
         stronger = 2.0 ** min(surprised - 2, MAX_PUSH_DOUBLINGS)
         _open(c, (mean[3 + k :], stronger), max(surprised * MAX_OBSERVER_STEP, min(since, MAX_TRACKING_GAP)), opened)
         if _square(opened, (rows[:m], residual[:m], R), room) <= SURPRISE_CHI2:
             put(opened, covariance)
-            surprised, square, source[5] = 1, 0.0, time
+            surprised, square, source[S_BELIEVED] = 1, 0.0, time
     if square > SURPRISE_CHI2:
         _widen(covariance, rows[:m], square / SURPRISE_CHI2, R)
     _update(mean, covariance, (rows[:m], residual[:m], R), room)
     return surprised
 
 
+# Many parameters: what a kernel is given, which takes no values with fields.
 @compiled
-def _is_as_believed(
-    c: Constants, belief: tuple[Array, Array], velocity: Array, free: tuple[Array, Array, Array], room: Array
-) -> bool:
-    """Whether a velocity does not surprise by its `free` part, nor goes sideways."""
-    if _square(belief[1], free, room) > SURPRISE_CHI2:
-        return False
-    nu, sideways = room[: len(c.walk)], room[len(c.walk) : len(c.walk) + 3]
-    cosine, sine = math.cos(belief[0][2]), math.sin(belief[0][2])
-    sideways[0], sideways[2] = cosine * velocity[0] + sine * velocity[1], velocity[2]
-    sideways[1] = cosine * velocity[1] - sine * velocity[0]
-    for a in range(len(nu)):
-        nu[a] = 0.0
-        for i in range(3):
-            nu[a] += c.project[a, i] * sideways[i]
-    for i in range(3):
-        for a in range(len(nu)):
-            sideways[i] -= c.basis[i, a] * nu[a]
-    most = MAX_DRIFT_SPEED + POSE_AGREEMENT_SIGMAS * math.sqrt(c.velocity[0, 0] + c.velocity[1, 1])
-    return math.hypot(sideways[0], sideways[1]) < most
+def _compare_velocity(
+    c: Constants,
+    belief: tuple[Array, Array],
+    velocity: Array,
+    measured: tuple[Array, Array, Array],
+    times: tuple[float, float],
+    source: Array,
+    room: Array,
+) -> None:
+    """Notes in `source` whether a velocity is as believed, and whether it is to be left out; `times`: since when (s
+    ago) it may be otherwise, and now."""
+    (mean, covariance), (rows, residual, R), (since, time) = belief, measured, times
+    k, m = len(c.walk), len(rows)
+    first = m - k
+    nu, rest = room[:k], room[k:]
+    for a in range(k):
+        nu[a] = mean[3 + a] + residual[first + a]
+    sideways = MAX_DRIFT_SPEED + POSE_AGREEMENT_SIGMAS * math.sqrt(c.velocity[0, 0] + c.velocity[1, 1])
+    free = rows[first:], residual[first:], R[first:, first:]
+    if _speed_beside(c, mean[2], nu, velocity, rest) < sideways and _square(covariance, free, rest) <= SURPRISE_CHI2:
+        source[S_AGREED], source[S_LEFT_OUT] = time, 0.0
+        return
+    source[S_AGREED] = -math.inf
+    jumps = _speed_beside(c, mean[2], mean[3 : 3 + k], velocity, rest) > MAX_PUSH_ACCELERATION * since
+    if first == 3 and jumps and _square(covariance, (rows[:3], residual[:3], R), rest) <= SURPRISE_CHI2:
+        source[S_LEFT_OUT] = 1.0
 
 
 @compiled
-def _jumps(c: Constants, belief: tuple[Array, Array], velocity: Array, since: float) -> bool:
-    """Whether a velocity is as far from the believed one as no push brings it in so many s."""
-    mean, x, y = belief[0], 0.0, 0.0
-    for a in range(len(c.walk)):
-        x, y = x + c.basis[0, a] * mean[3 + a], y + c.basis[1, a] * mean[3 + a]
-    cosine, sine = math.cos(mean[2]), math.sin(mean[2])
-    off = math.hypot(velocity[0] - (cosine * x - sine * y), velocity[1] - (sine * x + cosine * y))
-    return off > MAX_PUSH_ACCELERATION * since
+def _speed_beside(c: Constants, heading: float, nu: Array, velocity: Array, room: Array) -> float:
+    """How far (m/s) a velocity (3,) in {s} is from nu (k,)."""
+    twist_b = room[:3]
+    raised(c.basis, nu, twist_b)
+    cosine, sine = math.cos(heading), math.sin(heading)
+    x, y = cosine * twist_b[0] - sine * twist_b[1], sine * twist_b[0] + cosine * twist_b[1]
+    return math.hypot(velocity[0] - x, velocity[1] - y)
 
 
 @compiled
 def _goes_on(c: Constants, off: Array, source: Array, time: float) -> bool:
     """Whether poses that are off by (3,), since their source seems to have moved, are to be believed by now: since it
     stays, or since they have gone as far again, as a cart may go, and the velocity is left out."""
-    lasting, far = time - source[3], max(math.hypot(source[0], source[1]), abs(source[2]))
+    lasting, far = time - source[S_MOVED], max(math.hypot(source[0], source[1]), abs(source[2]))
     goes_elsewhere = lasting >= MIN_RUN_DURATION and not _is_near(c, off, source, far)
     if goes_elsewhere and _is_near(c, off, source, MAX_RELOCALISATION_SPEED * lasting):
-        source[3], source[4], source[6] = math.inf, -math.inf, 1.0
+        source[S_MOVED], source[S_AGREED], source[S_LEFT_OUT] = math.inf, -math.inf, 1.0
         return True
-    if lasting <= min(source[3] - source[5], MIN_MOVED_SOURCE_DURATION):
+    if lasting <= min(source[S_MOVED] - source[S_BELIEVED], MIN_MOVED_SOURCE_DURATION):
         return False
     if _is_near(c, off, source, MAX_DRIFT_SPEED * lasting):
         return True
     copy(off[:3], source[:3])
-    source[3] = time
+    source[S_MOVED] = time
     return False
 
 
 @compiled
 def _is_near(c: Constants, off: Array, other: Array, most: float) -> bool:
     """Whether differences of poses are one another to within so many m or rad, and the noise of both."""
-    for i in range(3):
-        noise = POSE_AGREEMENT_SIGMAS * math.sqrt(2.0 * c.pose[i, i])
-        apart = wrapped(off[i] - other[i]) if i == 2 else off[i] - other[i]
-        if not abs(apart) < most + noise:
-            return False
-    return True
+    apart = off[0] - other[0], off[1] - other[1], wrapped(off[2] - other[2])
+    return agrees(apart, (c.pose[0, 0], c.pose[1, 1], c.pose[2, 2]), most)
 
 
 @compiled

@@ -44,7 +44,7 @@ def is_relocalised(d: Considered, time: float, seen: Array, gate: float) -> bool
     run, first, last = d.outlier_run[:3], d.outlier_run[3:6], d.outlier_run[6:9]
     believed, way = d.outlier_run[9:12], d.outlier_run[12:16]
     pose, velocity = seen[:3], seen[3:]
-    if run[0] > 0.0 and math.isfinite(velocity[0]) and math.isfinite(velocity[1]) and math.isfinite(velocity[2]):
+    if run[0] > 0.0 and math.isfinite(velocity[0] + velocity[1] + velocity[2]):
         for i in range(3):
             way[i] += velocity[i] * (time - way[3])
         way[3] = time
@@ -109,7 +109,14 @@ def _has_gone(d: Considered, pose: Array, begun: Array, way: Array, lasting: flo
 @compiled
 def _near(d: Considered, pose: Array, other: tuple[float, float, float], most: float) -> bool:
     """Whether a pose is another to within so many m or rad, and the noise of both."""
-    off, is_near = (pose[0] - other[0], pose[1] - other[1], wrapped(pose[2] - other[2])), True
+    apart = pose[0] - other[0], pose[1] - other[1], wrapped(pose[2] - other[2])
+    return agrees(apart, (d.variances[0], d.variances[1], d.variances[2]), most)
+
+
+@compiled
+def agrees(apart: tuple[float, float, float], variances: tuple[float, float, float], most: float) -> bool:
+    """Whether two poses that are so far apart are one to within so many m or rad, and the noise of both."""
+    is_near = True
     for i in range(3):
-        is_near &= abs(off[i]) < most + POSE_AGREEMENT_SIGMAS * math.sqrt(2.0 * d.variances[i])
+        is_near &= abs(apart[i]) < most + POSE_AGREEMENT_SIGMAS * math.sqrt(2.0 * variances[i])
     return is_near

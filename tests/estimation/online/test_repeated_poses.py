@@ -11,7 +11,7 @@ from cartgrasp import CartModel, Inertia, Measurement
 from cartgrasp.effects import ViscousDrag
 from cartgrasp.motion import Motion
 from estimation import CartFilter, DisturbedFilter
-from estimation.online.repeated_poses import CALIBRATION_VELOCITIES, REST_CALIBRATION_POSES, RepeatedPoses
+from estimation.online.repeated_poses import REST_CALIBRATION_POSES, RepeatedPoses
 
 CART = CartModel(Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(5.0, 2.0),))
 FAST, REST = (Motion(np.zeros(3), np.array([u, 0.0])) for u in (0.4, 0.0))
@@ -95,48 +95,3 @@ def test_poses_that_are_held_teach_what_new_ones_do():
         found.append(estimate.parameters["mass"])
     assert found[0].value == pytest.approx(found[1].value, abs=0.3 * found[1].std)
     assert abs(found[0].value - 24.0) < 3.0 * found[0].std
-
-
-def test_a_velocity_again_is_none_where_its_sensor_tells_its_noise():
-    watch, random = RepeatedPoses(), np.random.default_rng(0)
-    for k in range(CALIBRATION_VELOCITIES):
-        last = Measurement(0.01 * k, velocity=VELOCITY + 1e-4 * random.normal(size=3))
-        assert watch.without_repeats(last, FAST) is last
-    assert watch.without_repeats(replace(last, time=9.0), REST).velocity is None
-    assert watch.without_repeats(Measurement(9.1, velocity=VELOCITY), REST).velocity is VELOCITY
-    coarse = RepeatedPoses()
-    for k in range(2 * CALIBRATION_VELOCITIES):
-        last = Measurement(0.01 * k, velocity=VELOCITY + 1e-2 * (k % 7 == 0))
-        assert coarse.without_repeats(last, FAST) is last
-
-
-@pytest.mark.parametrize("error", [0.0, 0.9, 1.1])
-@pytest.mark.parametrize("direction", [(1.0, 0.0, 0.0), (0.0, -1.0, 0.0), (0.0, 0.0, 1.0)])
-def test_a_velocity_again_is_none_where_poses_have_gone_elsewhere(direction, error):
-    """By 5 cm or 0.05 rad; across the wrap of headings, too. What is as it says is kept, as that of a coarse sensor."""
-    watch, start, off = RepeatedPoses(), np.array([0.0, 0.0, 3.1]), 0.05 * error * np.array(direction)
-    for k in range(41):
-        pose = start + 0.01 * k * VELOCITY + off * (k / 40)
-        told = watch.without_repeats(Measurement(0.01 * k, pose, VELOCITY), FAST)
-    assert (told.velocity is None) == (error > 1.0)
-    assert told.pose is not None
-
-
-@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
-@pytest.mark.parametrize("what", ["zeros", "zeros from the start", "frozen"])
-def test_a_velocity_that_nobody_fills_in_stops_no_cart(kind, what):
-    """Controllers that believed it drove carts at 15 m/s, which poses told all the while."""
-    learner, random, held, off = kind(CART, ["hand"]), np.random.default_rng(1), None, []
-    for k in range(400):
-        told = sample(0.01 * k, random)
-        if k == 180:
-            held = told.velocity
-        if what == "zeros from the start" or (k >= 180 and what == "zeros"):
-            told = replace(told, velocity=np.zeros(3))
-        elif k >= 180:
-            told = replace(told, velocity=held)
-        found = learner.update(told)
-        off.append(abs(found.motion.pose_sb[0] - sample(0.01 * k).pose[0]))
-    assert max(off) < 0.15
-    assert off[-1] < 0.01
-    assert found.motion.velocity[0] == pytest.approx(0.5, abs=0.05)
