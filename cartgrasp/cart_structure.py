@@ -17,7 +17,7 @@ from numpy.typing import ArrayLike
 
 from .checks import MAX_DISTANCE, check_kind, listed, number
 from .constraints import RollingConstraints
-from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect
+from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, ForceEffect, InertiaEffect, SensorEffect, UnknownSlope
 from .errors import UsageError
 from .first_guess import FirstGuess
 from .frames import Array
@@ -71,6 +71,11 @@ class CartStructure(ABC):
     def with_effect(self, effect: Effect) -> Self:
         """The cart with one more effect."""
         return replace(self, effects=(*self.effects, effect))
+
+    @SharedProperty
+    def on_slope(self) -> Self:
+        """The cart on a floor of unknown slope, which is its last effect; level unless numbers say otherwise."""
+        return self.with_effect(UnknownSlope())
 
     def without_effect(self, key: str) -> Self:
         """The cart without the effect called `key` (`name` or `name.label`)."""

@@ -103,7 +103,7 @@ class Estimate(NamedTuple):
     cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
     theirs (None where an estimator has none). `suspicions` tell of sensors that don't seem to mean what they say: each
     has a `kind`, `where`, a `probability` and `words`. `disturbance` is what pushes beside all that is known, where
-    somebody looks for it."""
+    somebody looks for it; `floor` (4,) are the numbers of an `UnknownSlope`, where that is learned beside the cart."""
 
     time: float
     motion: Motion
@@ -114,6 +114,7 @@ class Estimate(NamedTuple):
     covariance: Array | None = None
     suspicions: tuple[Any, ...] = ()
     disturbance: Disturbance | None = None
+    floor: Array | None = None
 
     def __repr__(self) -> str:
         pose, velocity = (digits(part.tolist()) for part in self.motion[:2])
@@ -128,11 +129,23 @@ class Estimate(NamedTuple):
     def cart(self) -> CartModel:
         """The cart as now estimated. On a rail only the mass is: CoM and inertia per mass are those of the first
         guess."""
+        return self.structure.with_parameters(self._parameters)
+
+    def cart_on_floor(self) -> CartModel:
+        """The cart as now estimated, on a floor that slopes as now estimated."""
+        if self.floor is None:
+            return self.cart()
+        on_slope: CartModel = self.structure.on_slope
+        return on_slope.with_parameters(np.append(self._parameters, self.floor))
+
+    @property
+    def _parameters(self) -> Array:
+        """Those of `cart` (p,)."""
         parameters = self.model_parameters
-        if self.structure.constraints.no_rotation:
-            first = self.structure.inertia.phi
-            parameters = np.append(first * (parameters[0] / first[0]), parameters[N_PHI:])
-        return self.structure.with_parameters(parameters)
+        if not self.structure.constraints.no_rotation:
+            return parameters
+        first = self.structure.inertia.phi
+        return np.append(first * (parameters[0] / first[0]), parameters[N_PHI:])
 
     @property
     def com_covariance(self) -> Array | None:

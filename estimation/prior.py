@@ -29,6 +29,8 @@ class Prior:
         com: Standard deviation of each coordinate, m.
         inertia: Standard deviation as a share of the value.
         effects: The same of each effect's parameters, but at least their typical size.
+        slope: Of the rise over run of a floor along x and y, where the cart has no `floor_slope`. Online no floor is
+            taken for level, but with 0.
         known: What is not estimated: names of parameters, or an effect's key for all of its own.
         std: Other standard deviations by name, in the parameter's unit.
 
@@ -48,11 +50,12 @@ class Prior:
     com: float = 0.2
     inertia: float = 0.8
     effects: float = 0.5
+    slope: float = 0.007
     known: frozenset[str] = frozenset()
     std: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("mass", "com", "inertia", "effects"):
+        for name in ("mass", "com", "inertia", "effects", "slope"):
             number(f"prior: {name}", getattr(self, name), 0.0, MAX_NUMBER, "give one standard deviation")
         form = 'write known={"mass"}, a set of names'
         object.__setattr__(self, "known", frozenset(listed("prior: known", self.known, str, form)))

@@ -18,7 +18,7 @@ holding = partial(cg.Arm, force_limit=(150.0, 60.0, 0.0), moment_limit=(4.0, 4.0
 arms = [holding("left", [(-0.25, 0.2, 1.0)]), holding("right", [(-0.25, -0.2, 1.0)])]
 
 plant, sensors = ModelPlant(truth), Sensors(truth, SensorNoise(force=1.0, moment=0.05))
-prior = Prior(mass=0.15, com=0.04, inertia=0.3, known=frozenset({"viscous_drag"}))
+prior = Prior(mass=0.15, com=0.04, inertia=0.3, slope=0.0, known=frozenset({"viscous_drag"}))  # a level floor
 cart_filter = CartFilter(believed, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05), prior=prior)
 pushing = WrenchPlanner(believed, arms, period=0.01)
 plain = WrenchPlanner(believed, arms, cart_limits=[TipOver(10.0)], relax=math.inf)

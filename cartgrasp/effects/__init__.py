@@ -31,6 +31,7 @@ from .rolling_resistance import RollingResistance
 from .stribeck_friction import StribeckFriction
 from .time_delay import TimeDelay
 from .tool_inertia import ToolInertia
+from .unknown_slope import UnknownSlope
 from .viscous_drag import ViscousDrag
 from .wheel_drag_imbalance import WheelDragImbalance
 from .wheel_misalignment import WheelMisalignment
@@ -94,6 +95,7 @@ __all__ = [
     "StribeckFriction",
     "TimeDelay",
     "ToolInertia",
+    "UnknownSlope",
     "ViscousDrag",
     "WheelDragImbalance",
     "WheelMisalignment",

@@ -19,6 +19,7 @@ from . import (
     quadratic_drag,
     rolling_resistance,
     stribeck_friction,
+    unknown_slope,
     viscous_drag,
     wheel_drag_imbalance,
 )
@@ -40,6 +41,7 @@ PAYLOAD_CHANGE = 10
 LOAD_SLOSH = 11
 END_STOP = 12
 LEARNED_FORCE = 13
+UNKNOWN_SLOPE = 14
 
 KINDS = {
     "viscous_drag": VISCOUS_DRAG,
@@ -56,6 +58,7 @@ KINDS = {
     "load_slosh": LOAD_SLOSH,
     "end_stop": END_STOP,
     "learned_force": LEARNED_FORCE,
+    "unknown_slope": UNKNOWN_SLOPE,
 }
 
 
@@ -106,6 +109,8 @@ def add_wrench(kind: int, at: KernelSituation, own: EffectValues, out: Parts) ->
         end_stop.wrench(at, own, out)
     elif kind == LEARNED_FORCE:
         learned_force.wrench(at, own, out)
+    elif kind == UNKNOWN_SLOPE:
+        unknown_slope.wrench(at, own, out)
 
 
 @compiled

@@ -28,7 +28,7 @@ DURATION = 12.0
 """s: up to where the cart stops."""
 PRIOR_STD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_resistance.coefficient": 0.004}
 """So small beside the guess that a draw is hardly ever negative, which would not be from the prior any more."""
-PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, std=PRIOR_STD)
+PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, slope=0.0, std=PRIOR_STD)
 MATCHED_MODEL, WRONG_MODEL = "matched", "rolling resistance left out"
 MODELS = MATCHED_MODEL, WRONG_MODEL
 MOTION_NEES, PARAMETER_NEES, POSE_NIS, VELOCITY_NIS = (

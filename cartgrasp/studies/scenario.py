@@ -106,6 +106,7 @@ class Scenario:
         known = frozenset() if self.estimation == PAPER else self.known
         if self.estimation == FIRST_GUESS:
             known = known | {"mass", "com_x", "com_y", "inertia"} | {e.key for e in self.guess.effects}
+            return Prior(slope=0.0, known=known)
         return Prior(known=known)
 
     def _estimator(self) -> Estimator:

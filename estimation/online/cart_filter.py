@@ -21,11 +21,13 @@ from .learning_filter import LearningFilter
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
 from .schmidt_filter import SchmidtFilter
+from .unknown_slope import with_unknown_slope
 
 
 def core_of(made_of: EstimatorArguments, least_speed: float = 0.0, unseen: float = 0.0) -> LearningFilter:
     """The filter behind a `CartFilter`, which takes samples in order, and bears with disturbances up to `unseen`
     (N·√s), where that is more than is declared."""
+    made_of = with_unknown_slope(made_of)
     cart, _, noise, prior, _ = made_of
     with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
         return LearningFilter(

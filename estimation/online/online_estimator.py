@@ -24,6 +24,7 @@ from .late_samples import LateSamples, SampleFilter
 from .repeated_poses import RepeatedPoses
 from .repeated_velocities import RepeatedVelocities
 from .sensor_monitor import SensorMonitor
+from .unknown_slope import without_slope
 from .warming import synthetic_push
 
 SLOW_LOOP_INTERVAL = 0.02
@@ -93,7 +94,7 @@ class OnlineEstimator(ABC, Generic[C]):
 
     @property
     def estimate(self) -> Estimate:
-        found, offset = self._told(), self._samples.clock_offset
+        found, offset = without_slope(self._told(), self.cart), self._samples.clock_offset
         if self._clock.is_lost:
             found = found._replace(health=Health.STALE)
         told = (*self._clock.suspicions, *self._sensor_monitor.suspicions)

@@ -16,6 +16,7 @@ from ..prior import Prior
 from .arguments import checked_arguments
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
+from .unknown_slope import with_unknown_slope
 
 
 @final
@@ -35,12 +36,13 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
     ) -> None:
         made_of = checked_arguments(cart, arms, noise, prior, yaws)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-            super().__init__(made_of, ParameterLearner(*made_of))
+            super().__init__(made_of, ParameterLearner(*with_unknown_slope(made_of)))
 
     @property
     def belief(self) -> Gaussian:
         """Mean and covariance of the free parameters, physical or not."""
-        return self._samples.state.belief
+        whole, f = self._samples.state.belief, len(self.prior.free(self.cart))
+        return Gaussian(whole.mean[:f], whole.covariance[:f, :f])
 
     @property
     def lateness(self) -> float:

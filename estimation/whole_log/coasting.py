@@ -7,7 +7,6 @@ On a rail nothing tells of CoM and inertia.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import replace
 
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.logs import RunLog, coasts
@@ -30,5 +29,7 @@ def as_given(logs: Sequence[RunLog], cart: CartModel) -> tuple[str, ...]:
 
 
 def prior_of(logs: Sequence[RunLog], cart: CartModel) -> Prior:
-    """The usual prior, with what nothing tells known."""
-    return replace(Prior(), known=frozenset(as_given(logs, cart)))
+    """The usual prior, with what nothing tells known. Where nobody pushes floors are as the cart has them: on a way
+    that goes straight on, nothing tells a slope from drag."""
+    known = frozenset(as_given(logs, cart))
+    return Prior(slope=0.0, known=known) if known else Prior()

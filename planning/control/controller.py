@@ -193,7 +193,7 @@ class Controller:
         self._steady_time += min(max(time - self._time, 0.0), MAX_STEP_GAP)
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
-        model = self._used_by(believed).cart() if self.learns else self.cart
+        model = self._used_by(believed).cart_on_floor() if self.learns else self.cart
         wanted = self._wanted(reference, believed, model)
         chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
         check_chosen(chosen, self._names)
@@ -321,6 +321,7 @@ class Controller:
             model_parameters=first.model_parameters,
             covariance=first.covariance,
             disturbance=None,
+            floor=first.floor,
         )
 
     def _used_by(self, believed: Estimate) -> Estimate:

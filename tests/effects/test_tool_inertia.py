@@ -97,10 +97,10 @@ def test_mujoco_says_how_it_accelerates():
 
 @pytest.mark.long
 def test_the_filter_knows_the_cart_from_the_tool():
-    log = log_of(LOUD, 12.0)
+    log, level = log_of(LOUD, 12.0), replace(KNOWN, slope=0.0)
     given = FilterNoise(*(LOUD[0],) * 2, *(LOUD[1],) * 2, *LOUD[2:])
-    with_it = replay(log, CartFilter(GUESS.with_effect(EFFECT), ["hand"], noise=given, prior=KNOWN)).last
-    without = replay(log, CartFilter(GUESS, ["hand"], noise=given)).last
+    with_it = replay(log, CartFilter(GUESS.with_effect(EFFECT), ["hand"], noise=given, prior=level)).last
+    without = replay(log, CartFilter(GUESS, ["hand"], noise=given, prior=Prior(slope=0.0))).last
     for name, value in {"mass": 24.0, "com_x": 0.3, "com_y": 0.05}.items():
         found = with_it.parameters[name]
         assert abs(found.value - value) < 3 * found.std

@@ -13,6 +13,7 @@ from estimation.online.cart_filter import core_of
 from estimation.online.kernels.row_algebra import BLOCK_END_WIDTH, ROW_BLOCK_DURATION, SMOOTHING_LAG
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
+from estimation.prior import report_names
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.contact_sources.strategies import FIXED, PERIODIC
 from planning.planner import WrenchPlanner
@@ -26,7 +27,7 @@ from ...frames import Array, body_to_world
 from ...inertia import N_PHI, physical_jacobian
 from ...kernels.jit import Ints
 from ...logs.run_log import ArmLog, RunLog
-from ...motion import Measurement
+from ...motion import Measurement, ParameterEstimate
 from ...simulation.plant import MAX_STEP
 from ...simulation.record import RunRecord
 from ...simulation.record import Series as Estimated
@@ -160,13 +161,14 @@ class _Run:
     def _blocks(self, allocation: CompiledAllocation) -> Workspaces:
         s, tracker = self.scenario, self.core.learner.tracker
         tracker.make_room(math.ceil((ROW_BLOCK_DURATION + BLOCK_END_WIDTH + SMOOTHING_LAG) / s.period) + SPARE_MOMENTS)
-        carts = s.truth.dynamics.floats, s.truth.dynamics.ints, s.guess.dynamics.floats, s.guess.dynamics.ints
+        truth, learned = s.truth.dynamics, self.core.cart.dynamics
+        carts = truth.floats, truth.ints, learned.floats, learned.ints
         return Workspaces(*carts, *allocation.blocks, *self.core.motion.blocks, *tracker.blocks)
 
     def _held(self, state: Array) -> LoopState:
-        s, f, N, P = self.scenario, self.scenario.guess.constraints.n_free, len(state), self.scenario.truth.parameters
-        n, p, k = len(s.guess.state_names), len(s.guess.parameters), len(s.guess.memory_names)
-        dynamics = s.guess.dynamics
+        cart, N, P = self.core.cart, len(state), self.scenario.truth.parameters
+        n, p, k, f = len(cart.state_names), len(cart.parameters), len(cart.memory_names), cart.constraints.n_free
+        dynamics = cart.dynamics
         widest = max(f * (1 + n + f + p) + k * (1 + n + p), dynamics.n_sums + k + 3 * dynamics.most_stictions)
         given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + 2)])[None]
         return LoopState(
@@ -210,7 +212,7 @@ class _Run:
             parameters=self._estimated(steps, theta, covariance),
             caster_headings=series.state[:, headings] if headings else None,
             statuses=tuple(self.statuses),
-            identifiable={name: one.identifiable for name, one in self.core.learner.report.items()},
+            identifiable={name: one.identifiable for name, one in self._report.items()},
             healths=(str(overall_health(said_of(self.core.motion.now.health), self.core.learner.health)),),
             com_covariance=np.repeat(partials @ of_phi @ np.swapaxes(partials, 1, 2), steps, axis=0),
         )
@@ -219,5 +221,11 @@ class _Run:
         """Each parameter over time."""
         reporter = self.core.learner.reporter
         values, std = (np.repeat(part, steps, axis=0) for part in reporter.numbers(theta, covariance))
-        found = self.core.learner.report.items()
+        found = self._report.items()
         return {name: Estimated(values[:, i], std[:, i], None, one.unit) for i, (name, one) in enumerate(found)}
+
+    @property
+    def _report(self) -> dict[str, ParameterEstimate]:
+        """What was learned of the guessed cart's own parameters."""
+        learned = self.core.learner.report
+        return {name: learned[name] for name in report_names(self.scenario.guess)}

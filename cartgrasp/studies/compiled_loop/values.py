@@ -32,8 +32,8 @@ class RunInputs(NamedTuple):
 
 
 class Workspaces(NamedTuple):
-    """Workspaces of kernels, floats and ints of each: the true cart, the believed one, the planner; the driven motion
-    with its plan; rows and constants of the moments that are tracked."""
+    """Workspaces of kernels, floats and ints of each: the true cart, the believed one with its floor, the planner; the
+    driven motion with its plan; rows and constants of the moments that are tracked."""
 
     plant: Array
     plant_ints: Ints

@@ -40,6 +40,7 @@ from ..kernels.measured_wrench import WRENCH_HOLD_TIME
 from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..measured_motion import usable
 from ..regressor.wrench_noise_scale import WrenchNoiseScale
+from ..unknown_slope import with_unknown_slope
 from ..wrench_sensing import Moving, WrenchSensing
 from .observer import DisturbanceObserver, Observed
 
@@ -59,6 +60,7 @@ class DisturbedLearning:
     """Samples come in order. `response` (s) is that of the observer."""
 
     def __init__(self, made_of: EstimatorArguments, response: float) -> None:
+        made_of = with_unknown_slope(made_of)
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
         self._observer = DisturbanceObserver(cart, noise, response, prior)

@@ -78,12 +78,13 @@ def absorbed(
         for b in range(n):
             before[a, k + b] = -row.fade * row.ends[a, b]
     alone, linking = noise - 2.0 * row.shared, _linking(noise, row.shared, row.after)
-    own = alone + congruence(after, linking)
+    own, raw = alone + congruence(after, linking), value - times(before, mean)
+    bent = _of_bent_delay(row.bent_by_delay, (before, covariance), own, raw, k - 1)
+    alone, own = alone + bent, own + bent
     link = solved(information[k:, k:], np.eye(2 * n))
     spreads = own + congruence(before[:, k:].copy(), link), own + congruence(before, covariance)
     motion = FILTER_RATE**2 * (row.after + row.fade**2 * link[:n, :n])
     foreseen = FILTER_RATE * row.fade * mean[k : k + n].copy()
-    raw = value - times(before, mean)
     found = rid(row, free, (motion, foreseen), spreads, raw)
     more_noise = _by_own_masses(row, free, motion, mean[: k - 1] - _of_free(at, free))
     in_own = raw, spreads[1] + more_noise, spreads[0] + more_noise
@@ -121,6 +122,30 @@ def absorbed(
             more[j] -= by_noise[j, i] * at[free[i]]
     left = without(whole, more, k, k + 2 * n)
     return (left, after_row(in_slopes, by_noise, kept)), said
+
+
+@row_compiled
+def _of_bent_delay(bent: Array, known: tuple[Array, Array], own: Array, innovation: Array, at: int) -> Array:
+    """The covariance (n, n) of `bent z² / 2`, which a row that is linear in the delay leaves out; z is how far off that
+    was, as the row itself tells. The delay is unknown number `at` of those with slopes (n, u) and covariance (u, u);
+    the row's own noise is `own` (n, n)."""
+    n, (slopes, covariance) = len(bent), known
+    noise = np.zeros((n, n))
+    if not np.abs(bent).max() > 0.0:
+        return noise
+    towards = np.zeros((n, 1))
+    for a in range(n):
+        for j in range(len(covariance)):
+            towards[a, 0] += slopes[a, j] * covariance[j, at]
+    weighed, off, variance = solved(own + congruence(slopes, covariance), towards), 0.0, covariance[at, at]
+    for a in range(n):
+        off += weighed[a, 0] * innovation[a]
+        variance -= weighed[a, 0] * towards[a, 0]
+    fourth = 3.0 * variance**2 + 6.0 * variance * off**2 + off**4
+    for a in range(n):
+        for b in range(n):
+            noise[a, b] = 0.25 * bent[a] * bent[b] * fourth
+    return noise
 
 
 @row_compiled

@@ -23,6 +23,7 @@ from .row_parts import (
     add_other_memory,
     add_stuck,
     at_most,
+    bent_by_delay,
     curvature_of,
     noise_of_wrenches,
     part_beyond,
@@ -117,7 +118,7 @@ class FilteredRow(NamedTuple):
     `by_rise` (f, f, p) are the partials of the slopes by B[nu'], and `quieter` (f, f) is how much the noise is less as
     a rule (`slope_noise.py`). `of_wrenches` (f, f) is what the noise of wrenches would be of white samples, and
     `of_delay` (2, f, f) the covariance of what it does to the slope by the delay, with itself and with the
-    residual."""
+    residual. `bent_by_delay` (f,) is how that slope changes with the delay."""
 
     residual: Array
     slopes: Array
@@ -132,6 +133,7 @@ class FilteredRow(NamedTuple):
     quieter: Array
     of_wrenches: Array
     of_delay: Array
+    bent_by_delay: Array
 
 
 def over(rows: Array) -> tuple[int, int]:
@@ -274,8 +276,9 @@ def _row(
     of_delay = add_delay((weighing.of_motion[2], weighing.held), known, wrenches, (residual, slopes))
     quieter = weighing.of_white * (unmodelled.usual - unmodelled.disturbance)
     before, after, shared = block.of_sums[0], block.of_sums[1], weighing.shared * white
+    bent = bent_by_delay(weighing.of_motion[2], block.time, wrenches, f)
     link = -FILTER_RATE * mass, weighing.fade, noise, before, after, shared
-    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_delay)
+    return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_delay, bent)
 
 
 @row_entry

@@ -113,6 +113,22 @@ def add_delay(weights: tuple[Array, Array], known: float, wrenches: Array, found
 
 
 @row_compiled
+def bent_by_delay(of_motion: Array, time: Array, wrenches: Array, f: int) -> Array:
+    """How the slope by the delay changes with it, (f,), per s²: what a step of the wrench does near the end of a block
+    is not linear in how late it is. What noise of sensors may do to it is taken off."""
+    n, found, noise = len(wrenches), np.zeros(f), np.zeros(f)
+    for i in range(n - 1):
+        by = -FILTER_RATE * of_motion[i] / (time[i + 1] - time[i])
+        for a in range(f):
+            found[a] += by * (wrenches[i + 1, 1 + a] - wrenches[i, 1 + a])
+            noise[a] += 2.0 * by**2 * wrenches[i, 1 + f + f * a + a]
+    for a in range(f):
+        left = found[a] ** 2 - SIGNIFICANCE_SIGMAS**2 * noise[a]
+        found[a] = math.copysign(math.sqrt(max(left, 0.0)), found[a])
+    return found
+
+
+@row_compiled
 def add_root(root: Array, scale: float, noise: Array) -> None:
     """Adds the covariance of a noise with one direction (f,), times a scale, to `noise` (f, f)."""
     for a in range(len(root)):

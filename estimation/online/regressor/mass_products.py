@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 
+from cartgrasp.effects import UnknownSlope
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
@@ -36,8 +37,8 @@ class LearnedParameters(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassProducts:
-    """The products of the parameters at `scaled` with the mass, which is taken to be at least `least` (kg). `usual` are
-    the factors' usual sizes."""
+    """The products of the parameters at `scaled` with the mass, which is taken to be at least `least` (kg). `usual` is
+    by how much another floor changes the factors: not an unknown slope, or loads on their way would be slopes."""
 
     scaled: Indices
     least: float
@@ -46,10 +47,11 @@ class MassProducts:
     @classmethod
     def of(cls, cart: CartModel, free: Indices) -> MassProducts:
         """Where the mass is given, there is nothing to be told apart."""
-        of_effects = [parameter for effect in cart.effects for parameter in effect.parameters]
-        by_mass = {N_PHI + i for i, parameter in enumerate(of_effects) if parameter.is_by_mass}
+        of_effects = [(effect, parameter) for effect in cart.effects for parameter in effect.parameters]
+        by_mass = {N_PHI + i for i, (_, parameter) in enumerate(of_effects) if parameter.is_by_mass}
         scaled = np.array(sorted(by_mass & set(free.tolist())) if MASS_INDEX in free else [], dtype=np.int64)
-        usual = np.array([of_effects[i - N_PHI].typical for i in scaled.tolist()])
+        by_floor = [of_effects[i - N_PHI] for i in scaled.tolist()]
+        usual = np.array([0.0 if isinstance(effect, UnknownSlope) else one.typical for effect, one in by_floor])
         return cls(scaled, MIN_MASS_RATIO * cart.inertia.mass, usual)
 
     def products(self, theta: Array) -> Array:

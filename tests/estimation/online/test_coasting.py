@@ -9,7 +9,7 @@ import numpy as np
 import pytest
 
 import cartgrasp as cg
-from cartgrasp.effects import RollingResistance, ViscousDrag
+from cartgrasp.effects import FloorSlope, RollingResistance, ViscousDrag
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.simulation import ModelPlant
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
@@ -26,9 +26,9 @@ HELD = {"hand": np.array([-1.0, 0.0, 0.9])}
 BOTH = [CartFilter, DisturbedFilter]
 
 
-def driven(learner, seed, duration, force=lambda time: 0.0, velocity=(0.9, 0.1)):
+def driven(learner, seed, duration, force=lambda time: 0.0, plant=None):
     """The last estimate; hands feel noise alone, or a force."""
-    random, plant = np.random.default_rng(seed), ModelPlant(BED, velocity=velocity)
+    random, plant = np.random.default_rng(seed), plant or ModelPlant(BED, velocity=(0.9, 0.1))
     while plant.time < duration:
         wrench = {"hand": np.array([force(plant.time), 0.0, 0.0, 0.0, 0.0, 0.3 * force(plant.time)])}
         felt = {"hand": wrench["hand"] + np.array([2.0, 2.0, 2.0, 0.08, 0.08, 0.08]) * random.normal(size=6)}
@@ -52,7 +52,8 @@ def test_coasting_teaches_no_scale(kind):
 @pytest.mark.parametrize("kind", BOTH)
 def test_after_it_pushes_teach_as_ever(kind):
     guess = BED.with_inertia(cg.Inertia(70.0, (0.0, 0.0), 25.0))
-    told = driven(kind(guess, ["hand"], noise=NOISE), 1, 14.0, lambda time: 0.0 if time < 4.0 else 40.0 * np.sin(time))
+    learner = kind(guess, ["hand"], noise=NOISE, prior=Prior(slope=0.0))
+    told = driven(learner, 1, 14.0, lambda time: 0.0 if time < 4.0 else 40.0 * np.sin(time))
     mass = told.parameters["mass"]
     assert mass.identifiable
     assert abs(mass.value - 100.0) < 3.0 * mass.std < 9.0
@@ -68,10 +69,21 @@ def test_a_mass_that_is_known_is_not_forgotten():
 
 @pytest.mark.parametrize("seed", [2, 3])
 def test_where_the_mass_is_given_coasting_teaches_friction(seed):
-    told = driven(CartFilter(BED, ["hand"], noise=NOISE, prior=Prior(known={"mass"})), seed, 5.0)
+    told = driven(CartFilter(BED, ["hand"], noise=NOISE, prior=Prior(slope=0.0, known={"mass"})), seed, 5.0)
     rolls = told.parameters["rolling_resistance.coefficient"]
     assert rolls.std < 0.001
     assert abs(rolls.value - 0.01) < 3.0 * rolls.std
+
+
+@pytest.mark.parametrize("grade", [-0.01, 0.0, 0.01])
+def test_rolled_one_way_a_slope_may_be_friction(grade):
+    """Coasting is braked by `c + grade`. A filter that took the floor for level told 0.020 ± 0.0005 of 0.01."""
+    plant = ModelPlant(BED.with_effect(FloorSlope(grade, 0.0)), velocity=(0.9, 0.0))
+    told = driven(CartFilter(BED, ["hand"], noise=NOISE, prior=Prior(known={"mass"})), 2, 5.0, plant=plant)
+    rolls, slope = told.parameters["rolling_resistance.coefficient"], told.floor[0]
+    assert abs(rolls.value - 0.01) < 2.0 * rolls.std
+    assert rolls.std > 0.004
+    assert rolls.value + slope == pytest.approx(0.01 + grade, abs=0.002)  # which is well known
 
 
 def test_where_a_force_is_given_it_does_not_hold_the_mass():
@@ -83,7 +95,7 @@ def test_where_a_force_is_given_it_does_not_hold_the_mass():
 def row(noise):
     zero, flat = np.zeros((2, 2)), np.zeros(2)
     link = zero, 0.8, noise, zero, zero, zero
-    return FilteredRow(flat, np.zeros((2, 5)), *link, zero, np.zeros((2, 2, 4)), zero, noise, np.zeros((2, 2, 2)))
+    return FilteredRow(flat, np.zeros((2, 5)), *link, zero, np.zeros((2, 2, 4)), zero, noise, np.zeros((2, 2, 2)), flat)
 
 
 def test_what_wrenches_tell_is_the_information_on_the_logarithm_of_a_scale():

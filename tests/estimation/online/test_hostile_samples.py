@@ -99,7 +99,8 @@ def test_what_is_known_of_noise_stays_where_time_goes_back():
 def test_arms_in_samples_of_their_own(arms):
     """As from two drivers: each arm's wrench counts until its next one."""
     log = simulate_two_hands(TRUTH, 5, duration=14.0, noise=(0.0004, 0.005, 1.0))
-    both, each = (CartFilter(guess(), arms, noise=replace(NOISE, force=1.0, moment=0.05), prior=KNOWN) for _ in "12")
+    noise, prior = replace(NOISE, force=1.0, moment=0.05), replace(KNOWN, slope=0.0)
+    both, each = (CartFilter(guess(), arms, noise=noise, prior=prior) for _ in "12")
     for m in log.measurements():
         whole = both.update(m)
         each.update(Measurement(m.time, m.pose, m.velocity))

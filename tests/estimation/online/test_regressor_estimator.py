@@ -171,6 +171,7 @@ def drawn_rows(n, random, noise_of_velocity=0.1, scale=1.0, around=lambda: 4.0, 
             quieter=np.zeros((1, 1)),
             of_wrenches=noise,
             of_delay=np.zeros((2, 1, 1)),
+            bent_by_delay=np.zeros(1),
         )
 
 

@@ -77,7 +77,7 @@ def test_it_does_what_its_parts_do_one_by_one():
     first = {arm.name: arm.contacts.first for arm in held}
     for step, _ in told:
         estimate = cart_filter.update(sensors.motion(plant.time, plant.motion))
-        wanted = tracker.wrench_b(PATH.at(plant.time), estimate.motion, estimate.cart())
+        wanted = tracker.wrench_b(PATH.at(plant.time), estimate.motion, estimate.cart_on_floor())
         given = planner.plan_or_hold(wanted, contacts=first).contact_wrenches
         cart_filter.update(sensors.wrenches(plant.time, given))
         plant.step(given, 0.01)
@@ -115,7 +115,7 @@ def test_no_hand_jumps_and_the_cart_gets_what_it_is_to_get():
     assert all(not ((w["left"] == 0).all() and (w["right"] == 0).all()) for w in (step.wrenches for step, _ in told))
     tracker = build_tracker(GUESS.constraints)
     for step, _ in told[::7]:
-        wanted = tracker.wrench_b(step.reference, step.estimate.motion, step.estimate.cart())
+        wanted = tracker.wrench_b(step.reference, step.estimate.motion, step.estimate.cart_on_floor())
         assert np.allclose(GUESS.basis_b.T @ step.given.wrench_b, GUESS.basis_b.T @ wanted, atol=1e-6)
     words = [step.words for step, _ in told]
     assert words[0] == "holds left at (−0.25, 0.20): told; holds right at (−0.25, −0.20): told"
