@@ -1,4 +1,4 @@
-"""`python -m benchmarks.slopes [--seeds 0:20] [--constants]`: carts on floors whose slope nobody told of.
+"""`python -m benchmarks.slopes [--seeds 0:20] [--constants] [--data DIR]`: carts on floors whose slope nobody told of.
 
 Carts of 12 to 80 kg with drag and rolling resistance, first guesses off by a third, are driven by the controller: on a
 curve and back, or straight to and fro. Floors slope along x and y by a normal deviation of 0, 0.01 or 0.02. The filter
@@ -6,7 +6,9 @@ takes them for level (`Prior(slope=0)`, as until 2026-11-30), or counts with a s
 runs whose health is `ok`, and of those the rms of (error / deviation) of each parameter; the largest of one that is
 said to be identifiable; and the median deviation of mass and CoM, and of the rolling resistance over its value.
 
-With `--constants` the prior's slope is taken 30 % less and more, as are the bounds of a slope.
+With `--constants` the prior's slope is taken 30 % less and more, as are the bounds of a slope. With `--data` measured
+logs (`benchmarks.measured`) are gone through in place of that, from masses that are 0.6, 1 and 1.6 times the first
+guess: told are the mass at last, the last health, and the share of samples at which it was `ok`.
 """
 
 from __future__ import annotations
@@ -15,6 +17,7 @@ import argparse
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
+from pathlib import Path
 from typing import Any
 
 import numpy as np
@@ -22,13 +25,19 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.effects import FloorSlope, RollingResistance, UnknownSlope, ViscousDrag
 from cartgrasp.inertia import Inertia
+from cartgrasp.logs import read_log
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
+from estimation.log_noise.log_noise import noise_of_log
+from estimation.whole_log.replay import replay
 from planning import Controller, PathReference, chain, pause, straight
 from planning.references import speed_change, turn
+
+from .measured.carts import guessed
+from .measured.logs import LOGS
 
 PATHS = {
     "curved": chain(speed_change(0.6), turn(0.8, 0.3), pause(3.0), turn(-0.8, 0.3), speed_change(-0.6)),
@@ -101,6 +110,25 @@ def rows(seeds: Sequence[int], priors: dict[str, Prior], kinds: Sequence[str]) -
             yield f"{grade:g}", path, kind, name, f"{time:g}", *cells
 
 
+def measured(data: Path) -> Iterator[tuple[str, ...]]:
+    """What is learned from logs with forces, with a rolling resistance in the model and without."""
+    for one, has_resistance, slope in product(LOGS, (False, True), (0.0, Prior().slope)):
+        if "force" not in one.has:
+            continue
+        log, found = read_log(data / one.path), []
+        for share in (0.6, 1.0, 1.6):
+            cart = guessed(one.cart, share * one.cart.inertia.mass)
+            cart = cart.with_effect(RollingResistance(0.01)) if has_resistance else cart
+            learner = CartFilter(cart, list(log.arms), noise=noise_of_log(log, cart), prior=Prior(slope=slope))
+            found.append(replay(log, learner).estimates)
+        masses = [repr(told[-1].parameters["mass"]) for told in found]
+        healths = [f"{told[-1].health}" for told in found]
+        ok = [np.mean([estimate.health == "ok" for estimate in told]) for told in found]
+        model = "drag, rolling resistance" if has_resistance else "drag"
+        cells = ", ".join(sorted(set(healths))), f"{100 * min(ok):.0f} to {100 * max(ok):.0f} %"
+        yield one.name, model, f"{slope:g}", *masses, *cells
+
+
 def _cart(mass: float, com: np.ndarray, inertia: float, drag: float, resistance: float) -> CartModel:
     effects = ViscousDrag(float(drag), 0.04 * mass), RollingResistance(resistance)
     return CartModel(Inertia(mass, tuple(com.tolist()), float(inertia)), effects=effects, wheels=WHEELS)
@@ -122,8 +150,14 @@ def main() -> None:
     parser = argparse.ArgumentParser("python -m benchmarks.slopes", description=__doc__)
     parser.add_argument("--seeds", default="0:20", metavar="A:B")
     parser.add_argument("--constants", action="store_true")
+    parser.add_argument("--data", type=Path)
     options = parser.parse_args()
     seeds, usual = range(*map(int, options.seeds.split(":"))), Prior().slope
+    if options.data is not None:
+        print("| log | model | prior's slope | mass at last, kg: from 0.6 | from 1 | from 1.6 | health | `ok` |")
+        print("|" + " --- |" * 8)
+        _print(measured(options.data))
+        return
     print(f"| {' | '.join(HEADER)} |\n|{' --- |' * len(HEADER)}")
     if not options.constants:
         _print(rows(seeds, {"0": Prior(slope=0.0), f"{usual:g}": Prior()}, list(FILTERS)))
