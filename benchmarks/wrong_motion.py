@@ -49,6 +49,7 @@ POSES: dict[str, Wrong] = {
     "turned about": lambda m, _: replace(m, pose=m.pose + np.array([0.0, 0.0, np.pi])),
     "turned": lambda m, _: replace(m, pose=m.pose + np.array([0.0, 0.0, 0.5])),
     "another frame": lambda m, _: replace(m, pose=np.array([1.0 - m.pose[1], m.pose[0], m.pose[2] + np.pi / 2.0])),
+    "drifting": lambda m, _: replace(m, pose=m.pose + np.array([0.0, 0.0, 0.1 * (m.time - BEGIN)])),
     "in degrees": lambda m, _: replace(m, pose=m.pose * [1.0, 1.0, 180.0 / np.pi]),
 }
 VELOCITIES: dict[str, Wrong] = {

@@ -33,13 +33,17 @@ class AxleMonitor(NamedTuple):
             turn, *(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self[1:], new, strict=True))
         )
 
+    @property
+    def left(self) -> float:
+        """What goes sideways (m²) of an axle that is where it seems to be."""
+        return self.slipped - (self.pulled * self.pulled / self.turned if self.turned > 0.0 else 0.0)
+
     def suspicion(self, axle_x: float, least: float) -> Suspicion | None:
         """`offset` of the pose, where it is as probable at least; None where too little is seen to turn, or the cart
         slips whatever it turns about."""
         if self.rows < MIN_EVIDENCE_ROWS or not self.lasting > MIN_TURN_CORRELATION * self.turned:
             return None
-        off = -self.pulled / self.turned
-        left = self.slipped - self.pulled * self.pulled / self.turned
+        off, left = -self.pulled / self.turned, self.left
         if not 0.0 <= left <= MAX_SIDESLIP_RATIO**2 * self.way:
             return None
         std = math.sqrt(left * ROWS_PER_INDEPENDENT_ROW / self.rows / self.turned)

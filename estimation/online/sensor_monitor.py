@@ -21,7 +21,8 @@ from cartgrasp.rigid_body import mass_matrix_b
 
 from ..noise import FilterNoise
 from ..prior import Prior
-from ..sensor_check.evidence import probabilities
+from ..sensor_check.axle import WRONG_AXLE_ODDS
+from ..sensor_check.evidence import WRONG_HEADING_ODDS, probabilities
 from ..sensor_check.suspicion import REFUSAL_PROBABILITY, Suspicion
 from ..sensor_check.wrench_readings import COMMON_MOUNTING_ODDS, UNIT_ODDS
 from .axle_monitor import AxleMonitor
@@ -32,6 +33,7 @@ from .competing_explanations import (
     MIN_EVIDENCE_ROWS,
     CompetingExplanations,
 )
+from .direction_monitor import DirectionMonitor
 from .power_balance import PowerBalance
 from .sensor_block import FULL_TURN, HEADING_FACTORS, SensorBlock, poses_of, velocities_of, wrapped, wrenches_of
 
@@ -81,7 +83,7 @@ class SensorMonitor:
         self._work: Iterator[None] | None = None
         self._blocks: tuple[SensorBlock, ...] = ()
         self._sideways = self._turning = CompetingExplanations((0.0,) * len(HEADING_FACTORS))
-        self._first_heading, self._axle = math.nan, AxleMonitor()
+        self._first_heading, self._axle, self._direction = math.nan, AxleMonitor(), DirectionMonitor()
         self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
         self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
         self._products, self._rows, self._power = np.zeros((2, 2)), 0.0, CompetingExplanations(())
@@ -156,13 +158,15 @@ class SensorMonitor:
         distance = x * x + y * y
         if self._slip is not None:
             by_x, by_y, by_turn = self._slip
-            slipped = []
+            slipped, rolled = [], []
             for begun, turn in zip(first.headings, turns, strict=True):
                 cosine, sine = math.cos(begun + 0.5 * turn), math.sin(begun + 0.5 * turn)
-                off = by_x * (cosine * x + sine * y) + by_y * (cosine * y - sine * x) + by_turn * turn
-                slipped.append(off)
+                forward, aside = cosine * x + sine * y, cosine * y - sine * x
+                slipped.append(by_x * forward + by_y * aside + by_turn * turn)
+                rolled.append(by_y * forward - by_x * aside)
             self._sideways = self._sideways.and_then([off * off for off in slipped], distance)
             self._axle = self._axle.and_then(turns[0], slipped[0] / by_y, distance)
+            self._direction = self._direction.and_then(rolled[0], slipped[0])
         self._fast = self._fast.and_then([float(distance <= (MAX_PLAUSIBLE_SPEED * span) ** 2)], 1.0)
         self._speed = math.sqrt(distance) / span
         if first.velocity is None or last.velocity is None:
@@ -214,13 +218,23 @@ class SensorMonitor:
         self.suspicions = (*kept, *self._of_noise())
 
     def _of_headings(self) -> Iterator[Suspicion]:
-        log = [a + b for a, b in zip(self._sideways.evidence, self._turning.evidence, strict=True)]
+        """Suspicions of headings: in degrees, the other way round, or off by an angle beside which the cart goes. An
+        axle that is elsewhere is a rival of theirs."""
+        way, turning = self._sideways, self._turning.evidence
+        rivals = way._replace(left=(*way.left, self._direction.left, self._axle.left))
+        log = [a + b for a, b in zip(rivals.evidence, (*turning, turning[0], turning[0]), strict=True)]
         of_degrees = DEGREES_BEYOND_TURN_ODDS if self._may_be_degrees else UNIT_ODDS
-        _, degrees, reversed_ = probabilities(np.array(log), np.array([1.0, of_degrees, COMMON_MOUNTING_ODDS])).tolist()
+        odds = np.array([1.0, of_degrees, COMMON_MOUNTING_ODDS, WRONG_HEADING_ODDS, WRONG_AXLE_ODDS])
+        _, degrees, reversed_, turned, _ = probabilities(np.array(log), odds).tolist()
         if degrees > RETAINED_PROBABILITY:
             yield Suspicion("unit", "heading", degrees, HEADING_FACTORS[1], "headings are in degrees, not rad")
         if reversed_ > RETAINED_PROBABILITY:
             yield Suspicion("sign", "heading", reversed_, -1.0, "headings turn the other way: reverse theta")
+        if turned > RETAINED_PROBABILITY:
+            angle = math.degrees(self._direction.angle)
+            cause = "headings drift, or the tracked frame is turned"
+            words = f"the cart goes {angle:.0f}° beside its heading, as its wheels can't: {cause}"
+            yield Suspicion("frame", "pose", turned, None, words)
 
     @property
     def _may_be_degrees(self) -> bool:

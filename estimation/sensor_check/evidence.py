@@ -12,6 +12,8 @@ import numpy as np
 
 from cartgrasp.frames import Array
 
+WRONG_HEADING_ODDS = 0.01
+"""Odds of each way in which headings may be wrong: one log in a hundred."""
 UNEXPLAINED_FRACTION = 0.1
 """Share of a motion's size that no cart model explains: wheels slip, loads lean, frames bend."""
 

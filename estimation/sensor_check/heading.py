@@ -17,7 +17,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import noise_floor
-from .evidence import evidence, independent_rows, probabilities
+from .evidence import WRONG_HEADING_ODDS, evidence, independent_rows, probabilities
 from .suspicion import REPORT_PROBABILITY, Suspicion
 from .windows import MIN_WINDOWS, Sums, Track, Windows
 
@@ -37,8 +37,8 @@ MAX_MISALIGNMENT = 0.1
 """rad, within which an offset is one that an effect of the vocabulary tells (`wheel_misalignment`)."""
 MIN_MOTION_NOISE_RATIO = 4.0
 """Times the square of what white noise of the places alone makes: a cart that goes no farther says nothing."""
-WRONG_HEADING_ODDS, KNOWN_OFFSET_FRACTION = 0.01, 2 * MAX_MISALIGNMENT / math.pi
-"""Odds of each wrong reading: one log in a hundred; share of all offsets that lie so near to a known one."""
+KNOWN_OFFSET_FRACTION = 2 * MAX_MISALIGNMENT / math.pi
+"""Share of all offsets that lie so near to a known one."""
 
 
 def heading_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
