@@ -72,7 +72,7 @@ class CartStructure(ABC):
         """The cart with one more effect."""
         return replace(self, effects=(*self.effects, effect))
 
-    @SharedProperty
+    @cached_property
     def on_slope(self) -> Self:
         """The cart on a floor of unknown slope, which is its last effect; level unless numbers say otherwise."""
         return self.with_effect(UnknownSlope())

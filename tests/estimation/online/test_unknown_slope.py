@@ -10,6 +10,7 @@ from cartgrasp.contacts import ContactWrenches
 from cartgrasp.effects import FloorSlope, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
+from cartgrasp.motion import Measurement
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior, RegressorEstimator
 from planning import Controller, PathReference, chain, pause
@@ -93,6 +94,17 @@ def test_nobody_is_told_more_parameters_than_the_cart_has(kind):
     assert slope.values == pytest.approx(estimate.floor)
     if kind is RegressorEstimator:
         assert made.belief.mean.shape == (len(made.prior.free(GUESS)),)
+
+
+@pytest.mark.parametrize("kind", [*BOTH, RegressorEstimator])
+def test_each_begins_with_the_numbers_of_its_own_cart(kind):
+    """Carts that differ in numbers alone share what does not depend on these."""
+    for mass in (12.0, 30.0):
+        learner = kind(GUESS.with_inertia(Inertia(mass, (0.2, 0.01), 1.5)), list(HOLDS), noise=NOISE)
+        told = learner.update(Measurement(0.0, pose=[0.0, 0.0, 0.0], velocity=[0.0, 0.0, 0.0]))
+        assert told.parameters["mass"].value == pytest.approx(mass)
+        assert told.parameters["com_x"].value == pytest.approx(0.2)
+        assert told.cart_on_floor().inertia.mass == pytest.approx(mass)
 
 
 @pytest.mark.parametrize("kind", [*BOTH, RegressorEstimator])
