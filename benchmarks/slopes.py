@@ -18,7 +18,6 @@ from collections.abc import Iterator, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from pathlib import Path
-from typing import Any
 
 import numpy as np
 
@@ -28,9 +27,8 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import read_log
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
-from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.studies.shopping_cart import WHEELS
-from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
+from estimation import CartFilter, FilterNoise, Prior
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.whole_log.replay import replay
 from planning import Controller, PathReference, chain, pause, straight
@@ -38,6 +36,7 @@ from planning.references import speed_change, turn
 
 from .measured.carts import guessed
 from .measured.logs import LOGS
+from .wrong_motion import FILTERS, ticks
 
 PATHS = {
     "curved": chain(speed_change(0.6), turn(0.8, 0.3), pause(3.0), turn(-0.8, 0.3), speed_change(-0.6)),
@@ -46,7 +45,6 @@ PATHS = {
 TIMES = 2.0, 5.0, 18.0
 """s."""
 HOLDS = (("left", 0.2), ("right", -0.2))
-FILTERS: dict[str, Any] = {"CartFilter": CartFilter, "DisturbedFilter": DisturbedFilter}
 NAMES = "mass", "com_x", "com_y", "inertia", "rolling_resistance.coefficient"
 HEADER = ("floor", "path", "filter", "prior's slope", "s", "`ok`", *NAMES, "largest", "mass ±", "CoM ±", "resistance ±")
 
@@ -76,25 +74,18 @@ def driven(seed: int, grade: float, path: str, kind: str, prior: Prior) -> list[
     """What is told at `TIMES`."""
     random = np.random.default_rng([seed, 17])
     mass, com = float(np.exp(random.uniform(np.log(12.0), np.log(80.0)))), random.uniform([0.1, -0.12], [0.5, 0.12])
-    inertia, guessed = mass * random.uniform(0.25, 0.4) ** 2, mass * float(np.exp(0.3 * random.normal()))
+    inertia, believed = mass * random.uniform(0.25, 0.4) ** 2, mass * float(np.exp(0.3 * random.normal()))
     resistance, off = float(random.uniform(0.006, 0.02)), random.normal(size=2) * [0.1, 0.05]
     truth = _cart(mass, com, inertia, 0.1 * mass * random.uniform(0.5, 1.5), resistance)
-    guess = _cart(guessed, com + off, 0.09 * guessed, 0.1 * guessed, 0.012)
-    plant = ModelPlant(truth.with_effect(FloorSlope(*(grade * random.normal(size=2)))))
+    guess = _cart(believed, com + off, 0.09 * believed, 0.1 * believed, 0.012)
+    on_slope = truth.with_effect(FloorSlope(*(grade * random.normal(size=2))))
     hands = [Arm(name, [(-0.25, y, 1.0)], force_limit=(200.0,) * 3, moment_limit=(30.0,) * 3) for name, y in HOLDS]
     noise = FilterNoise(force=1.0, moment=0.05)
     learner = FILTERS[kind](guess, [name for name, _ in HOLDS], noise=noise, prior=prior)
     reference = PathReference(PATHS[path])
     controller = Controller(guess, hands, reference, estimator=learner, regrasp=None, caution=None)
-    sensors, told, due = Sensors(truth, SensorNoise(force=1.0, moment=0.05), seed), [], list(TIMES)
-    while due:
-        step = controller.step(sensors.motion(plant.time, plant.motion))
-        controller.observe(sensors.wrenches(plant.time, step.given))
-        if plant.time >= due[0] - 1e-6:
-            told.append(Told.of(step.estimate, truth))
-            due.pop(0)
-        plant.step(step.given, 0.01)
-    return told
+    steps = [step for step, _ in ticks(controller, on_slope, TIMES[-1] + 0.005, seed=seed)]
+    return [Told.of(steps[round(time / 0.01)].estimate, truth) for time in TIMES]
 
 
 def rows(seeds: Sequence[int], priors: dict[str, Prior], kinds: Sequence[str]) -> Iterator[tuple[str, ...]]:
@@ -122,10 +113,12 @@ def measured(data: Path) -> Iterator[tuple[str, ...]]:
             learner = CartFilter(cart, list(log.arms), noise=noise_of_log(log, cart), prior=Prior(slope=slope))
             found.append(replay(log, learner).estimates)
         masses = [repr(told[-1].parameters["mass"]) for told in found]
-        healths = [f"{told[-1].health}" for told in found]
         ok = [np.mean([estimate.health == "ok" for estimate in told]) for told in found]
         model = "drag, rolling resistance" if has_resistance else "drag"
-        cells = ", ".join(sorted(set(healths))), f"{100 * min(ok):.0f} to {100 * max(ok):.0f} %"
+        cells = (
+            ", ".join(sorted({f"{told[-1].health}" for told in found})),
+            f"{100 * min(ok):.0f} to {100 * max(ok):.0f} %",
+        )
         yield one.name, model, f"{slope:g}", *masses, *cells
 
 

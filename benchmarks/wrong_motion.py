@@ -102,17 +102,17 @@ def driven(kind: str, filter_kind: str, until: float, duration: float, caution: 
     def felt(measured: Measurement) -> Measurement:
         return spoil(measured, right) if of_wrenches and BEGIN <= measured.time < until else measured
 
-    ticks = list(_ticks(_controller(filter_kind, caution), TRUTH, duration, seen=seen, felt=felt))
-    off = [float(np.hypot(*(motion.pose_sb - step.reference.pose_sb)[:2])) for step, motion in ticks]
-    return Driven(ticks[-1][0], _largest_speed(ticks), max(off), off[-1])
+    told = list(ticks(_controller(filter_kind, caution), TRUTH, duration, seen=seen, felt=felt))
+    off = [float(np.hypot(*(motion.pose_sb - step.reference.pose_sb)[:2])) for step, motion in told]
+    return Driven(told[-1][0], _largest_speed(told), max(off), off[-1])
 
 
 def held_on_a_slope(slope: float, duration: float = 8.0) -> Driven:
     """A cart that stands 1.4 m off its path; `off` is how far it has gone from there."""
     truth = replace(TRUTH, effects=(*TRUTH.effects, FloorSlope(slope, 0.0)))
-    ticks = list(_ticks(_controller("CartFilter", CAUTION), truth, duration, x=-1.4))
-    away = [abs(float(motion.pose_sb[0]) + 1.4) for _, motion in ticks]
-    return Driven(ticks[-1][0], _largest_speed(ticks), max(away), away[-1])
+    told = list(ticks(_controller("CartFilter", CAUTION), truth, duration, x=-1.4))
+    away = [abs(float(motion.pose_sb[0]) + 1.4) for _, motion in told]
+    return Driven(told[-1][0], _largest_speed(told), max(away), away[-1])
 
 
 def runs() -> Iterator[tuple[str, bool, Driven]]:
@@ -131,17 +131,18 @@ def unsafe() -> str:
     return "; ".join(words.replace(" | ", ", ") for words, short, one in runs() if not one.is_safe(short)) or "none"
 
 
-def _ticks(
+def ticks(
     controller: Controller,
     truth: CartModel,
     duration: float,
     x: float = 0.0,
+    seed: int = 0,
     seen: Callable[[Measurement], Measurement] = lambda measured: measured,
     felt: Callable[[Measurement], Measurement] = lambda measured: measured,
 ) -> Iterator[tuple[Step, Motion]]:
     """Each step, and the cart's motion after it; what is `seen` and `felt` may be spoiled."""
     plant = ModelPlant(truth, pose_sb=(x, 0.0, 0.0))
-    sensors = Sensors(truth, SensorNoise(force=1.0, moment=0.05), 0)
+    sensors = Sensors(truth, SensorNoise(force=1.0, moment=0.05), seed)
     while plant.time < duration:
         step = controller.step(seen(sensors.motion(plant.time, plant.motion)))
         controller.observe(felt(sensors.wrenches(plant.time, step.given)))
@@ -149,8 +150,8 @@ def _ticks(
         yield step, plant.motion
 
 
-def _largest_speed(ticks: Sequence[tuple[Step, Motion]]) -> float:
-    return max(abs(float(motion.velocity[0])) for _, motion in ticks)
+def _largest_speed(told: Sequence[tuple[Step, Motion]]) -> float:
+    return max(abs(float(motion.velocity[0])) for _, motion in told)
 
 
 def _controller(kind: str, caution: Caution | None) -> Controller:

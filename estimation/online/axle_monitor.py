@@ -7,7 +7,7 @@ from typing import NamedTuple
 
 from ..sensor_check.axle import MAX_SIDESLIP_RATIO, axle_suspicion
 from ..sensor_check.suspicion import Suspicion
-from .competing_explanations import BLOCK_FORGETTING_FACTOR, MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW
+from .competing_explanations import MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW, with_block
 
 MIN_TURN_CORRELATION = 0.5
 """Least correlation of a turn with the one before: what turns goes on to, and noise of headings turns back."""
@@ -29,9 +29,7 @@ class AxleMonitor(NamedTuple):
     def and_then(self, turn: float, slip: float, way: float) -> AxleMonitor:
         """With a turn (rad), a slip (m) and the square of a way (m²) more."""
         new = turn * self.last, turn * turn, slip * turn, slip * slip, way, 1.0
-        return AxleMonitor(
-            turn, *(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self[1:], new, strict=True))
-        )
+        return AxleMonitor(turn, *with_block(self[1:], new))
 
     @property
     def left(self) -> float:

@@ -16,6 +16,11 @@ MAX_UNEXPLAINED_FRACTION, MAX_SOUND_RESIDUAL_FRACTION = 0.25, 0.05
 """Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
 
 
+def with_block(sums: Sequence[float], more: Sequence[float]) -> tuple[float, ...]:
+    """Sums with what a new block adds, of which older ones fade."""
+    return tuple([BLOCK_FORGETTING_FACTOR * old + new for old, new in zip(sums, more, strict=True)])
+
+
 class CompetingExplanations(NamedTuple):
     """Sums of squares that explanations leave, sound sensors first; of what is to be explained; and of that squared."""
 
@@ -25,9 +30,7 @@ class CompetingExplanations(NamedTuple):
 
     def and_then(self, left: Sequence[float], whole: float) -> CompetingExplanations:
         """With a row more, of which no more is left than there is: one pose that jumps is not to outweigh them all."""
-        found = tuple(
-            [BLOCK_FORGETTING_FACTOR * old + min(new, whole) for old, new in zip(self.left, left, strict=True)]
-        )
+        found = with_block(self.left, [min(new, whole) for new in left])
         squared = BLOCK_FORGETTING_FACTOR**2 * self.squared + whole * whole
         return CompetingExplanations(found, BLOCK_FORGETTING_FACTOR * self.whole + whole, squared)
 

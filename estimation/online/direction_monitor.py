@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 from typing import NamedTuple
 
-from .competing_explanations import BLOCK_FORGETTING_FACTOR
+from .competing_explanations import with_block
 
 
 class DirectionMonitor(NamedTuple):
@@ -18,8 +18,7 @@ class DirectionMonitor(NamedTuple):
 
     def and_then(self, along: float, beside: float) -> DirectionMonitor:
         """With ways (m) of one more block."""
-        new = along * along, along * beside, beside * beside
-        return DirectionMonitor(*(BLOCK_FORGETTING_FACTOR * old + more for old, more in zip(self, new, strict=True)))
+        return DirectionMonitor(*with_block(self, (along * along, along * beside, beside * beside)))
 
     @property
     def angle(self) -> float:

@@ -38,7 +38,7 @@ def without_slope(estimate: Estimate, cart: CartModel) -> Estimate:
     if len(estimate.model_parameters) == p:
         return estimate
     return estimate._replace(
-        parameters=LazyParameters(partial(_of_cart, estimate.parameters, cart)),
+        parameters=LazyParameters(partial(of_cart, estimate.parameters, cart)),
         structure=cart,
         model_parameters=estimate.model_parameters[:p],
         covariance=None if covariance is None else covariance[:p, :p],
@@ -46,5 +46,6 @@ def without_slope(estimate: Estimate, cart: CartModel) -> Estimate:
     )
 
 
-def _of_cart(parameters: Mapping[str, ParameterEstimate], cart: CartModel) -> Mapping[str, ParameterEstimate]:
+def of_cart(parameters: Mapping[str, ParameterEstimate], cart: CartModel) -> Mapping[str, ParameterEstimate]:
+    """Those of the cart's own, without what is learned beside."""
     return {name: parameters[name] for name in report_names(cart)}

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import math
+from collections.abc import Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -13,7 +14,7 @@ from estimation.online.cart_filter import core_of
 from estimation.online.kernels.row_algebra import BLOCK_END_WIDTH, ROW_BLOCK_DURATION, SMOOTHING_LAG
 from estimation.online.kernels.sensor_health import said_of
 from estimation.online.learning_filter import LearningFilter
-from estimation.prior import report_names
+from estimation.online.unknown_slope import of_cart
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.contact_sources.strategies import FIXED, PERIODIC
 from planning.planner import WrenchPlanner
@@ -225,7 +226,5 @@ class _Run:
         return {name: Estimated(values[:, i], std[:, i], None, one.unit) for i, (name, one) in enumerate(found)}
 
     @property
-    def _report(self) -> dict[str, ParameterEstimate]:
-        """What was learned of the guessed cart's own parameters."""
-        learned = self.core.learner.report
-        return {name: learned[name] for name in report_names(self.scenario.guess)}
+    def _report(self) -> Mapping[str, ParameterEstimate]:
+        return of_cart(self.core.learner.report, self.scenario.guess)

@@ -77,7 +77,7 @@ def test_where_the_mass_is_given_coasting_teaches_friction(seed):
 
 @pytest.mark.parametrize("grade", [-0.01, 0.0, 0.01])
 def test_rolled_one_way_a_slope_may_be_friction(grade):
-    """Coasting is braked by `c + grade`. A filter that took the floor for level told 0.020 ± 0.0005 of 0.01."""
+    """Coasting is braked by `c + grade`. A filter that took the floor for level told 0.0203 ± 0.0003 of 0.01."""
     plant = ModelPlant(BED.with_effect(FloorSlope(grade, 0.0)), velocity=(0.9, 0.0))
     told = driven(CartFilter(BED, ["hand"], noise=NOISE, prior=Prior(known={"mass"})), 2, 5.0, plant=plant)
     rolls, slope = told.parameters["rolling_resistance.coefficient"], told.floor[0]
