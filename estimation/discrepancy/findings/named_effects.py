@@ -47,8 +47,8 @@ class NamedEffect:
     label: str
     probability: float
     parameters: dict[str, tuple[float, float, str]]
-    confusable_with: tuple[str, ...]
-    gap_share: float
+    confusable_with: tuple[str, ...] = ()
+    gap_share: float = 0.0
     gain: float = 0.0
     law: LearnedLaw | None = None
 
@@ -69,41 +69,42 @@ class NamedEffect:
         return told if self.law is None else told | {"law": self.law.as_dict()}
 
 
-@dataclass(frozen=True)
-class _NameEvidence:
-    """What is told of an effect that a step added, or that none did."""
-
-    probability: float
-    confusable_with: tuple[str, ...] = ()
-    gap_share: float = 0.0
-    gain: float = 0.0
+_Addition = tuple[SearchStep, ScoredCandidate, float]
+"""A step, what it added, and the share of the gap that this closed."""
 
 
 def named_effects(
     steps: Sequence[SearchStep], final: Model, certainty: Certainty, shares: Sequence[float]
 ) -> tuple[NamedEffect, ...]:
     """Added effects in order of addition; laws last."""
-    by, first = dict[str, _NameEvidence](), _largest(steps)
+    by, first = dict[str, _Addition](), _largest(steps)
     for step, share in zip(steps, shares, strict=True):
         if step.added is not None:
-            by.setdefault(step.added.key, _name_evidence(step, step.added, first, share))
+            by.setdefault(step.added.key, (step, step.added, share))
     values, order, found = {effect.key: effect for effect in certainty.cart.effects}, list(by), []
     for effect in sorted(added(final), key=lambda e: order.index(e.key) if e.key in by else len(by)):
         parameters = _parameters(values[effect.key], certainty)
-        found.append(_named_effect(effect, parameters, by.get(effect.key, _NameEvidence(UNTRIED_NAME_PROBABILITY))))
+        found.append(_named_effect(effect, parameters, by.get(effect.key), first))
     for key, law in certainty.laws:
         sizes = zip(law.effect.parameters, law.effect.values.tolist(), law.std.tolist(), strict=True)
         parameters = {p.name: (value, std, p.unit) for p, value, std in sizes}
-        found.append(
-            replace(
-                _named_effect(law.effect, parameters, by.get(key, _NameEvidence(UNTRIED_NAME_PROBABILITY))), law=law
-            )
-        )
+        found.append(replace(_named_effect(law.effect, parameters, by.get(key), first), law=law))
     return tuple(found)
 
 
-def _named_effect(effect: Effect, parameters: dict[str, tuple[float, float, str]], told: _NameEvidence) -> NamedEffect:
-    return NamedEffect(effect.name, effect.label, parameters=parameters, **vars(told))
+def _named_effect(
+    effect: Effect, parameters: dict[str, tuple[float, float, str]], addition: _Addition | None, first: float
+) -> NamedEffect:
+    """What is told of an effect that a step added, or that none did, where the largest gain of a step is the `first`.
+    Another arm's effect has the same name."""
+    if addition is None:
+        return NamedEffect(effect.name, effect.label, UNTRIED_NAME_PROBABILITY, parameters)
+    step, own, share = addition
+    known = alternatives(step)
+    names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
+    others = sum(odds for odds, one in known if candidate_name(one) != candidate_name(own))
+    probability = name_probability(own.gain, first, share > 0.0) / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others)
+    return NamedEffect(effect.name, effect.label, probability, parameters, tuple(names), share, own.gain)
 
 
 def grouped(effects: Sequence[NamedEffect]) -> list[list[NamedEffect]]:
@@ -147,16 +148,6 @@ def _largest(steps: Sequence[SearchStep]) -> float:
     return max((step.added.gain for step in steps if step.added), default=0.0)
 
 
-def _name_evidence(step: SearchStep, own: ScoredCandidate, first: float, share: float) -> _NameEvidence:
-    """What is told of an addition: its name's probability, and the names of what explains about as much. Another arm's
-    effect has the same name."""
-    known = alternatives(step)
-    names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
-    others = sum(odds for odds, one in known if candidate_name(one) != candidate_name(own))
-    alone = name_probability(own.gain, first, share > 0.0)
-    return _NameEvidence(alone / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others), tuple(names), share, own.gain)
-
-
 def name_probability(gain: float, first: float, closes: bool) -> float:
     """How probable a name is that gains so much (nats), where the largest gain is the `first`, and which closes some of
     the gap or none, were there no rivals."""
@@ -196,5 +187,5 @@ def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEf
             "side": (stop.side, 0.0, "-"),
             "restitution": (stop.restitution, stop.restitution_std, "-"),
         }
-        found.append(NamedEffect(effect.name, effect.label, UNTRIED_NAME_PROBABILITY, parameters, (), 0.0))
+        found.append(NamedEffect(effect.name, effect.label, UNTRIED_NAME_PROBABILITY, parameters))
     return tuple(found)
