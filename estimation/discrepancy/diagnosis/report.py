@@ -11,7 +11,7 @@ from typing import TYPE_CHECKING, Any
 from cartgrasp.strict_json import finite
 from cartgrasp.writing import together, write_atomically
 
-from ..findings.verdicts import candidate_name, verdict
+from ..findings.verdicts import verdict
 
 if TYPE_CHECKING:
     from ..search.model import Model
@@ -69,7 +69,7 @@ class Report:
 def _of_step(step: SearchStep, final: Model) -> dict[str, Any]:
     told = (
         {
-            "name": candidate_name(one),
+            "name": one.candidate.name,
             "key": one.key,
             "score": float(one.gain),
             "tried": one.tried,

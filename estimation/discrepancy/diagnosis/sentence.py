@@ -7,7 +7,7 @@ from typing import TYPE_CHECKING
 from cartgrasp.effects import Effect
 
 from ..findings.named_effects import grouped, words_of
-from ..findings.verdicts import candidate_name, verdict
+from ..findings.verdicts import verdict
 from ..search.gains import CONFUSABLE_NATS
 
 if TYPE_CHECKING:
@@ -57,7 +57,7 @@ def _likeliest(found: Diagnosis) -> str:
     best = max(left, key=lambda one: one.gain, default=None)
     if best is None or best.gain < CONFUSABLE_NATS:
         return ""
-    return f" Nearest comes {candidate_name(best)} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
+    return f" Nearest comes {best.candidate.name} ({best.gain:.1f} nats): {verdict(found.steps[-1], best)}."
 
 
 def _beside(found: Diagnosis) -> str:

@@ -21,7 +21,6 @@ from ..search.scored_candidates import ScoredCandidate, SearchStep
 from .alternatives import alternatives
 from .certainty import Certainty
 from .learned_laws import LearnedLaw
-from .verdicts import candidate_name
 
 PRESENT_SIGMAS = 2.0
 """Standard deviations from which on a value is there."""
@@ -102,7 +101,7 @@ def _named_effect(
     step, own, share = addition
     known = alternatives(step)
     names = dict.fromkeys(one.candidate.name for _, one in known if isinstance(one.candidate, Effect))
-    others = sum(odds for odds, one in known if candidate_name(one) != candidate_name(own))
+    others = sum(odds for odds, one in known if one.candidate.name != own.candidate.name)
     probability = name_probability(own.gain, first, share > 0.0) / (1.0 + ALTERNATIVE_ODDS_WEIGHT * others)
     return NamedEffect(effect.name, effect.label, probability, parameters, tuple(names), share, own.gain)
 

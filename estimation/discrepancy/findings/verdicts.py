@@ -19,12 +19,6 @@ FORM_ERROR_WORDS = "what the forms of others may leave"
 NOT_FITTED = "not fitted with all else: too many others gain more at first sight"
 
 
-def candidate_name(one: ScoredCandidate) -> str:
-    """The effect's name; of a law, what it is a law of."""
-    candidate = one.candidate
-    return candidate.effect.name if isinstance(candidate, Refit) else candidate.name
-
-
 def verdict(step: SearchStep, one: ScoredCandidate, final: Model | None = None) -> str:
     """Verdict on one of a step's attempts; with the model in the end, whether what was added was kept."""
     if one is step.added:
@@ -72,7 +66,7 @@ def _objection(one: ScoredCandidate) -> str:
 def _beside(one: ScoredCandidate, added: ScoredCandidate) -> str:
     """Why it lost against what was added."""
     less, more = round(added.gain, 1) - round(one.gain, 1), one.numbers - added.numbers
-    usual = PRIOR_LOG_ODDS.get(candidate_name(added), 0.0) - PRIOR_LOG_ODDS.get(candidate_name(one), 0.0)
+    usual = PRIOR_LOG_ODDS.get(added.candidate.name, 0.0) - PRIOR_LOG_ODDS.get(one.candidate.name, 0.0)
     if one.model is None and less <= 0:
         return NOT_FITTED
     if less <= 0:

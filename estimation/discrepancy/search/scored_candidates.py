@@ -19,6 +19,10 @@ class Refit:
     effect: Effect
 
     @property
+    def name(self) -> str:
+        return self.effect.name
+
+    @property
     def key(self) -> str:
         return f"{self.effect.key} refitted"
 
