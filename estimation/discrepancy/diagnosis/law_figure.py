@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 from cartgrasp.frames import Array
 
 from ..search.laws import constant, row_values, variable_of
+from ..search.model import by_log
 from ..where.residual import with_fine_rows
 from .drawing import MODEL_COLOURS, ZERO_LINE_STYLE, on_floor, sides
 
@@ -56,9 +57,8 @@ def required_forces(found: Diagnosis, law: LearnedLaw) -> tuple[Array, Array, Ar
     """Values of a law's variable, the forces that rows ask for beside everything but this law, and what the law says of
     them. Each is (n,), of the rows in which the law shows."""
     model, logs, parts = found.final, with_fine_rows(found.final.logs), list[tuple[Array, Array, Array]]()
-    left = np.split(model.residual_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
     last = model.cart.constraints.n_free - 1 if law.effect.acts_on == "yaw_moment" else 0
-    at = np.split(row_values(law.effect, logs), np.cumsum([len(rest) for rest in left])[:-1])
+    left, at = by_log(model.residual_on(logs), logs), by_log(row_values(law.effect, logs), logs)
     for balances, rest, own_at in zip(logs, left, at, strict=True):
         own = (balances.columns(model.cart, law.effect) @ law.effect.values)[:, last]
         unit = balances.columns(model.cart, constant(law.effect))[:, last, 0]

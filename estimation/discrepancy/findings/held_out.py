@@ -17,7 +17,7 @@ from cartgrasp.model import CartModel
 from ...weak_form.balances import Balances
 from ...weak_form.band import Band, band_in
 from ...weak_form.coordinates import coordinates, with_coordinates
-from ..search.model import Model
+from ..search.model import Model, by_log
 from .fast_noise import fast_noise
 from .reported_mass import reported_mass
 from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
@@ -70,8 +70,7 @@ def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
 
 def _row_folds(model: Model) -> Iterator[tuple[Balances, np.ndarray]]:
     """Each log, with the fold of each of its rows (k,)."""
-    ends = np.cumsum([len(balances.used) for balances in model.logs])[:-1]
-    for balances, block in zip(model.logs, np.split(model.folds.block, ends), strict=True):
+    for balances, block in zip(model.logs, by_log(model.folds.block, model.logs), strict=True):
         yield balances, model.folds.stretches[block] % HELD_OUT_FOLDS
 
 

@@ -107,8 +107,9 @@ class RowNoise:
     friction: Array
     memory: Array
 
-    def whitenings(self, logs: Sequence[Balances], compares: bool = False) -> tuple[Whitening, ...]:
-        return tuple(self.whitening(Errors.of(balances, self.cart, compares), compares) for balances in logs)
+    def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
+        """Of rows that are not to be compared."""
+        return tuple(self.whitening(Errors.of(balances, self.cart, False), False) for balances in logs)
 
     def beside(self, errors: Errors) -> Balances:
         """Rows with this cart as their reference, and this noise."""
@@ -183,13 +184,11 @@ class Model:
 
     def rewhitened(self) -> Model:
         """The model on rows whose noise is what it leaves."""
-        left, parts, at = self.residual, [], 0
-        for balances in self.logs:
-            parts.append((Errors.of(balances, self.cart, self.compares), left[at : at + len(balances.used)]))
-            at += len(balances.used)
+        errors = (Errors.of(balances, self.cart, self.compares) for balances in self.logs)
+        parts = list(zip(errors, by_log(self.residual, self.logs), strict=True))
         noise = RowNoise(self.cart, *excess_noise(parts, float(self.rows.shape[2] - 1)))
-        whitenings = tuple(noise.whitening(errors, self.compares) for errors, _ in parts)
-        logs = tuple(noise.beside(errors) for errors, _ in parts)
+        whitenings = tuple(noise.whitening(own, self.compares) for own, _ in parts)
+        logs = tuple(noise.beside(own) for own, _ in parts)
         return replace(self, logs=logs, noise=noise, whitenings=whitenings)
 
     def whitened(self, columns: Sequence[Array]) -> Array:
@@ -371,6 +370,11 @@ class Model:
         prior = self._prior_of(cart)
         found = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
         return replace(model, cart=found.resized(), at_bound=found.at_bound)
+
+
+def by_log(rows: Array, logs: Sequence[Balances]) -> list[Array]:
+    """What rows (k, ...) of all logs together have, by log."""
+    return np.split(rows, np.cumsum([len(balances.used) for balances in logs])[:-1])
 
 
 def wrench_delay(cart: CartModel, logs: Sequence[Balances]) -> float:

@@ -3,7 +3,7 @@ of time, places by sums over cells of the floor."""
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Iterator, Sequence
 from functools import cached_property
 from itertools import combinations, product
 
@@ -22,7 +22,7 @@ from ...weak_form.score import log_evidence
 from ...weak_form.wheel_tracks import wheel_tracks
 from .candidates import Family, amplitudes_of
 from .laws import Law, seen_values, smooth_laws
-from .model import Model
+from .model import Model, by_log
 from .periods import coarse_columns, is_like_a_scans, scanned
 
 MAX_KEPT_VARIANTS = 3
@@ -120,39 +120,21 @@ class Screen:
     def _timed(self, effect: Effect) -> list[ScoredVariant]:
         """Variants that act from or between blocks of time, with their gains."""
         columns, std = self.model.columns_of(effect)
-        found, at = [], 0
-        for balances in self.model.logs:
-            k = len(balances.used)
-            own = slice(at, at + k)
-            at += k
+        parts = (by_log(part, self.model.logs) for part in (columns / self._scale[:, None], self._base, self._left))
+        found = list[ScoredVariant]()
+        for balances, *own in zip(self.model.logs, *parts, strict=True):
             size = max(1, round(ONSET_GRID_INTERVAL / balances.row_step))
-            n = k // size
-            if n < 2:
+            n = len(balances.used) // size
+            spans = _spans(n, effect.gate, max(1, round(MIN_CHANGE_MARGIN / (size * balances.row_step))))
+            if n < 2 or not len(spans):
                 continue
             edges = np.append(balances.time[: n * size : size], balances.time[n * size - 1] + balances.row_step)
-            sums = self._running(columns[own][: n * size] / self._scale[:, None], own, (n, size))
-            spans = _spans(n, effect.gate, max(1, round(MIN_CHANGE_MARGIN / (size * balances.row_step))))
-            if not len(spans):
-                continue
-            own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in sums)
+            own_sums, base_sums, pulls = (s[spans[:, 1]] - s[spans[:, 0]] for s in _running(own, n, size))
             gains = self._factor((own_sums, base_sums, pulls), std, is_one_sided(effect))
             starts, ends = edges[spans[:, 0]] - balances.row_step / 2, edges[spans[:, 1]] - balances.row_step / 2
             gates = starts[:, None] if effect.gate is Gate.FROM else np.column_stack([starts, ends - starts])
-            best = set(np.argsort(-gains)[:MAX_KEPT_VARIANTS].tolist())
-            for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True)):
-                found.append(
-                    (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
-                )
+            found += _gated(effect, gains, gates)
         return found
-
-    def _running(self, columns: Array, own: slice, shape: tuple[int, int]) -> list[Array]:
-        n, size = shape
-        grouped = columns.reshape(n, -1, columns.shape[2])
-        base = self._base[own][: n * size].reshape(n, -1, self._base.shape[2])
-        left = self._left[own][: n * size].reshape(n, -1, 1)
-        across = grouped.swapaxes(1, 2)
-        parts = across @ grouped, across @ base, (across @ left)[..., 0]
-        return [np.concatenate([np.zeros((1, *part.shape[1:])), np.cumsum(part, axis=0)]) for part in parts]
 
     def _placed(self, effect: Effect) -> list[ScoredVariant]:
         """Variants that act in boxes of cells, with their gains."""
@@ -173,12 +155,7 @@ class Screen:
         within = np.einsum("vi,ij,vj->v", pick, each @ each.T, pick, optimize=True)[:, None, None]
         base, pull = each @ self._base.reshape(each.shape[1], -1), each @ self._left.ravel()
         gains = self._factor((within, (pick @ base)[:, None], (pick @ pull)[:, None]), std, is_one_sided(effect))
-        best = set(np.argsort(-gains)[:MAX_KEPT_VARIANTS].tolist())
-        found = []
-        for k, (gain, ((a, b), (c, d))) in enumerate(zip(gains.tolist(), boxes, strict=True)):
-            box = effect.with_values(np.r_[x[a], x[b], y[c], y[d], effect.values[4:]]) if k in best else effect
-            found.append((gain, box))
-        return found
+        return _gated(effect, gains, np.array([(x[a], x[b], y[c], y[d]) for (a, b), (c, d) in boxes]))
 
     @cached_property
     def _cells(self) -> tuple[Array, Array]:
@@ -192,20 +169,17 @@ class Screen:
     # --- laws ----------------------------------------------------------------------------------------------------
 
     def laws(self) -> Iterator[tuple[Law, int]]:
-        """Each smooth law, and the best periods with one or more harmonics; with how many were tried."""
+        """Each smooth law that the model does not have, and the best periods with one or more harmonics; with how many
+        were tried."""
         model = self.model
-        yield from ((law, 1) for law in self.smooth_laws())
+        taken, smooth = {law.key for law in model.laws}, smooth_laws(model.motions, model.cart, self._hands)
+        yield from ((law, 1) for law in smooth if law.key not in taken)
         found, count = scanned(model, self._pulls, self.gains, self._hands)
         found.sort(key=lambda best: -best[0][0])
         for _, scan, period, harmonics in (one for best in found[:MAX_KEPT_VARIANTS] for one in best):
             law = self.tuned(scan.law(period, harmonics))
             for has_mean in (False, True):
                 yield scan.law(law.period or period, harmonics, has_mean), count
-
-    def smooth_laws(self) -> list[Law]:
-        """Laws of what varies slowly that the model does not have."""
-        taken = {law.key for law in self.model.laws}
-        return [law for law in smooth_laws(self.model.motions, self.model.cart, self._hands) if law.key not in taken]
 
     @cached_property
     def _hands(self) -> float:
@@ -221,20 +195,16 @@ class Screen:
     def _pulls(self) -> list[Array]:
         """Pulls (n, f) of the residual on forces and moments along each log's grid."""
         rest = self._left - self._base @ self._fit
-        found, at = [], 0
-        for balances, whiten in zip(self.model.logs, self.model.whitenings, strict=True):
-            own = rest[at : at + len(balances.used)]
-            at += len(balances.used)
-            found.append(
-                balances.integrals.spread(whiten.transposed(own / self._scale))[:, : self.model.cart.constraints.n_free]
-            )
-        return found
+        free, logs = self.model.cart.constraints.n_free, self.model.logs
+        parts = zip(logs, self.model.whitenings, by_log(rest / self._scale, logs), strict=True)
+        return [balances.integrals.spread(whiten.transposed(own))[:, :free] for balances, whiten, own in parts]
 
     def tuned(self, law: Law) -> Law:
         """The law at the period nearby that gains most."""
         if law.period is None or not (highest := max(law.effects[0].harmonics)):
             return law
-        width = PERIOD_SEARCH_WIDTH * law.period / (self._cycles(law) * highest)
+        longest = max(float(np.ptp(seen_values(law.effects[0], [motion]))) for motion in self.model.motions)
+        width = PERIOD_SEARCH_WIDTH * law.period / (longest / law.period * highest)
         columns = coarse_columns if is_like_a_scans(law.effects[0]) else Law.columns
         best = minimize_scalar(
             lambda period: -self.of_law(law.repeating(period), columns),
@@ -249,11 +219,6 @@ class Screen:
         white = self.model.whitened([columns(law, balances, self.model.cart) for balances in self.model.logs])
         return float(self.gains(white[None], law.std)[0])
 
-    def _cycles(self, law: Law) -> float:
-        """How often a law repeats in the longest log."""
-        spans = [np.ptp(seen_values(law.effects[0], [balances.motion])) for balances in self.model.logs]
-        return float(max(spans)) / float(law.period or 1.0)
-
 
 def is_one_sided(effect: Effect) -> bool:
     """Whether it has one amplitude, and none but positive ones are possible."""
@@ -261,6 +226,24 @@ def is_one_sided(effect: Effect) -> bool:
         return False
     own = [effect.parameters[i] for i in amplitudes_of(effect)]
     return len(own) == 1 and own[0].lower >= own[0].absent
+
+
+def _running(parts: Sequence[Array], n: int, size: int) -> list[Array]:
+    """Sums (n + 1, ...) up to each of n blocks of so many rows: of products of columns with themselves, with the base
+    and with the residual, of which the rows are given."""
+    columns, base, left = (part[: n * size].reshape(n, -1, *part.shape[2:]) for part in parts)
+    across = columns.swapaxes(1, 2)
+    products = across @ columns, across @ base, (across @ left[..., None])[..., 0]
+    return [np.concatenate([np.zeros((1, *one.shape[1:])), np.cumsum(one, axis=0)]) for one in products]
+
+
+def _gated(effect: Effect, gains: Array, gates: Array) -> list[ScoredVariant]:
+    """Variants with gates (v, g), which gain so much (v,); those that are not among the best only count."""
+    best = set(np.argsort(-gains)[:MAX_KEPT_VARIANTS].tolist())
+    return [
+        (gain, effect.with_values(np.r_[gate, effect.values[len(gate) :]]) if i in best else effect)
+        for i, (gain, gate) in enumerate(zip(gains.tolist(), gates, strict=True))
+    ]
 
 
 def _spans(n: int, gate: Gate, side: int) -> np.ndarray:

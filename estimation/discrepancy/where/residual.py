@@ -13,7 +13,7 @@ from cartgrasp.frames import Array
 
 from ...weak_form.balances import Balances
 from ...weak_form.whitening import Whitening
-from ..search.model import Model
+from ..search.model import Model, by_log
 from .changes import changes
 from .circumstances import Circumstances
 
@@ -102,7 +102,7 @@ def with_fine_rows(logs: Sequence[Balances]) -> tuple[Balances, ...]:
 
 
 def _residuals(model: Model, noise: Model, logs: tuple[Balances, ...], duration: float) -> tuple[Residual, ...]:
-    left = np.split(model.residual_on(logs), np.cumsum([len(balances.used) for balances in logs])[:-1])
+    left = by_log(model.residual_on(logs), logs)
     parts = [_means(*each, duration) for each in zip(logs, left, noise.noise.whitenings(logs), strict=True)]
     log = np.repeat(np.arange(len(parts)), [len(first) for first, _, _ in parts])
     start, value, std = (np.concatenate(each) for each in zip(*parts, strict=True))
