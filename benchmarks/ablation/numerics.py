@@ -74,7 +74,6 @@ REASONS: dict[str, dict[str, str]] = {
         "MAX_RANGE_DOUBLINGS": "range of a grid",
         "SETTING_GRID_POINTS": "grid",
     },
-    "discrepancy.where.effect_disagreements": {"GATE_WORDS": "words"},
     "discrepancy.diagnosis.diagnosis": {
         "MASS_DIFFERENCE_SIGMAS": "a warning",
     },
@@ -270,6 +269,7 @@ REASONS: dict[str, dict[str, str]] = {
         "LARGEST_PERCENTILE": "conditions of sentences",
         "AFTER_REVERSAL_DISTANCE": "conditions of sentences",
         "MAX_LISTED_CONTACTS": "which sentences are told",
+        "GATE_WORDS": "words",
     },
 }
 

@@ -44,10 +44,9 @@ from ..search.laws import Law, row_values
 from ..search.model import Model
 from ..search.scored_candidates import SearchStep
 from ..search.search_in_band import at_rest, searched
-from ..where.effect_disagreements import effect_disagreements
 from ..where.residual import Residual, fine_residuals, residuals, with_fine_rows
 from ..where.residual_map import ResidualMap, residual_maps
-from ..where.where import Disagreement, repeats, where
+from ..where.where import Disagreement, effect_disagreements, repeats, where
 from .next_experiments import NextExperiment, next_experiment
 from .sentence import sentence
 

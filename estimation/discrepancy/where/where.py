@@ -1,4 +1,5 @@
-"""Where and when simulation and measurement disagree, in sentences that a person can act on."""
+"""Where and when simulation and measurement disagree, in sentences that a person can act on: in which conditions, along
+with what, and while what was named acts."""
 
 from __future__ import annotations
 
@@ -9,10 +10,16 @@ from itertools import pairwise
 import numpy as np
 from scipy.special import rel_entr
 
+from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 
+from ...weak_form.balances import Balances
+from ...weak_form.wheel_tracks import touches
 from ..search.covariates import MIN_DIRECTED_SPEED, Covariates
+from ..search.gains import added
 from ..search.laws import Law
+from ..search.model import Model
 from .circumstances import Circumstances
 from .residual import RESIDUAL_UNITS, Residual
 from .residual_map import means, strongest_dependence
@@ -36,6 +43,7 @@ LARGEST_PERCENTILE = 98.0
 AFTER_REVERSAL_DISTANCE, WORST_HALF_INTERVAL = 0.4, 0.5
 """Distance (m) after a reversal; time (s) about the worst stretch."""
 MAX_LISTED_CONTACTS = 6
+GATE_WORDS = {Gate.WHILE: "while", Gate.FROM: "from when", Gate.INSIDE: "where"}
 
 
 def short(value: float) -> str:
@@ -43,6 +51,8 @@ def short(value: float) -> str:
     return f"{float(f'{value:.2g}'):g}"
 
 
+Intervals = tuple[tuple[float, float], ...]
+"""Begins and ends (s), in order of time."""
 Condition = tuple[str, np.ndarray]
 """A condition in words, and whether stretches (b,) meet it."""
 
@@ -59,7 +69,7 @@ class Disagreement:
     condition: str
     size: float
     share: float
-    intervals: tuple[tuple[float, float], ...] = ()
+    intervals: Intervals = ()
 
     @property
     def sentence(self) -> str:
@@ -118,13 +128,16 @@ def _disagreement(residual: Residual, chosen: np.ndarray, share: float, text: st
     """Disagreement of the chosen stretches, with the times of those in the log that holds the most of it."""
     logs = np.where(chosen, residual.circumstances.log, -1)
     most = max(np.unique(logs[chosen]), key=lambda k: float(residual.beyond[logs == k].sum()))
-    start, size = residual.start[logs == most], float(np.sqrt((residual.value[chosen] ** 2).mean()))
-    intervals = runs(start, residual.duration)
-    return Disagreement(intervals[0][0], intervals[-1][1], residual.coordinate, text, size, share, intervals)
+    return _in_intervals(residual, chosen, share, text, _runs(residual.start[logs == most], residual.duration))
 
 
-def runs(start: np.ndarray, duration: float) -> tuple[tuple[float, float], ...]:
-    """Begins and ends (s) of runs of stretches (n,) of one duration (s) that follow one another, in order of time."""
+def _in_intervals(residual: Residual, chosen: np.ndarray, share: float, text: str, when: Intervals) -> Disagreement:
+    size = float(np.sqrt((residual.value[chosen] ** 2).mean()))
+    return Disagreement(when[0][0], when[-1][1], residual.coordinate, text, size, share, when)
+
+
+def _runs(start: np.ndarray, duration: float) -> Intervals:
+    """Runs of stretches (n,) of one duration (s) that follow one another."""
     start = np.sort(start)
     pieces = np.split(start, np.flatnonzero(np.diff(start) > 1.5 * duration) + 1)
     return tuple((float(piece[0]), float(piece[-1]) + duration) for piece in pieces)
@@ -225,3 +238,40 @@ def _in_force(found: Circumstances) -> Iterator[Condition]:
         places = np.unique(held[np.isfinite(held).all(axis=1)], axis=0)
         for x, y in places if len(places) <= MAX_LISTED_CONTACTS else ():
             yield f"while {who} holds at x = {x:.2f} m, y = {y:.2f} m of the cart", (held == (x, y)).all(axis=1)
+
+
+def effect_disagreements(model: Model, residuals: Sequence[Residual]) -> Iterator[Disagreement]:
+    """Disagreement of each effect of a model that does not act everywhere, in the coordinate in which it shows most."""
+    for effect in added(model):
+        if effect.gate.n_parameters and not isinstance(effect, ConstraintEffect):
+            there = [residual for residual in residuals if residual.disagrees] or residuals
+            told = [one for residual in there for one in _acting(effect, model, residual)]
+            if told:
+                yield max(told, key=lambda one: one[0])[1]
+
+
+def _acting(effect: Effect, model: Model, residual: Residual) -> Iterator[tuple[float, Disagreement]]:
+    """Disagreement in the log in which an effect acts for the longest time, with how far beyond noise it is there
+    (squares)."""
+    masks = [_acts(effect, balances, model) for balances in model.logs]
+    balances, mask = max(zip(model.logs, masks, strict=True), key=lambda one: one[1].sum() * one[0].motion.step)
+    motion, middle = balances.motion, residual.start + residual.duration / 2
+    own = np.array([name == balances.name for name in residual.circumstances.names])[residual.circumstances.log]
+    own &= (middle >= motion.time[0]) & (middle <= motion.time[-1])
+    chosen = own & mask[np.clip(np.searchsorted(motion.time, middle), 0, len(mask) - 1)]
+    if chosen.any():
+        beyond = float(residual.beyond[chosen].sum())
+        share = float(np.clip(beyond / max(residual.beyond.sum(), 1e-12), 0.0, 1.0))
+        when = _runs(motion.time[mask], motion.step)
+        span = f"t = {when[0][0]:.1f} to {when[-1][1]:.1f} s"
+        text = f"{100 * share:.0f} % of the misfit lies {GATE_WORDS[effect.gate]} {effect.name} acts, {span}"
+        yield beyond, _in_intervals(residual, chosen, share, text, when)
+
+
+def _acts(effect: Effect, balances: Balances, model: Model) -> np.ndarray:
+    """Whether (n,) an effect acts at each time of the motion."""
+    time, values = balances.motion.time, effect.values
+    if effect.gate is Gate.INSIDE:
+        return touches(balances.motion.pose, values[:4], model.cart.wheel_set)
+    end = values[0] + values[1] if effect.gate is Gate.WHILE else np.inf
+    return np.asarray((time >= values[0]) & (time <= end))

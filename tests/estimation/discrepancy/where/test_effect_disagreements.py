@@ -7,8 +7,8 @@ from cartgrasp.effects import ExternalPush, FloorPatch, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.discrepancy.search.model import Model
-from estimation.discrepancy.where.effect_disagreements import effect_disagreements
 from estimation.discrepancy.where.residual import residuals
+from estimation.discrepancy.where.where import effect_disagreements
 from estimation.weak_form.balances import Balances
 
 from ...weak_form.motions import TRUE, cart_of, noisy, weaving
