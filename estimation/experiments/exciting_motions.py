@@ -27,8 +27,8 @@ class ExcitingMotion:
     says: str
     twist_b: Array
 
-    def along(self, cart: CartModel) -> tuple[Array, Array, Array]:
-        """Times (n,), the cart's states (n, ...) and nu' (n, f) at them."""
+    def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
+        """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
         velocity = self.twist_b @ np.linalg.pinv(cart.basis_b).T
         velocity = np.asarray(np.where(np.abs(velocity) < 1e-12, 0.0, velocity), dtype=float)
         acceleration = np.gradient(velocity, MOTION_SAMPLE_PERIOD, axis=0)
@@ -37,12 +37,7 @@ class ExcitingMotion:
             pose[i + 1] = pose[i] + MOTION_SAMPLE_PERIOD * body_to_world(pose[i, 2]) @ cart.basis_b @ velocity[i]
         time = np.asarray(MOTION_SAMPLE_PERIOD * np.arange(len(pose)), dtype=float)
         memory = cart.memory_along(pose, velocity, time)
-        return time, np.hstack([pose, velocity, memory]), acceleration
-
-    def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
-        """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
-        _, state, acceleration = self.along(cart)
-        regressor = parameter_regressor(cart, state, acceleration)
+        regressor = parameter_regressor(cart, np.hstack([pose, velocity, memory]), acceleration)
         hands = [(-HANDLE_LEVER, HANDLE_LEVER, 1.0), (-HANDLE_LEVER, -HANDLE_LEVER, 1.0)]
         return fisher_information(regressor, reduced_noise(cart, hands, noise)) * noise.rate * MOTION_SAMPLE_PERIOD
 

@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 from itertools import groupby
 
 import numpy as np
@@ -125,22 +125,20 @@ def path(velocity_b: Array, start: Array) -> tuple[Array, Array]:
 
 def _held(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
     """Up to a speed and a yaw rate, along there, and down to a short rest."""
-    ramp = _whole(max(abs(speed) / ACCELERATION, abs(yaw_rate) / YAW_ACCELERATION))
-    rates = speed / ramp, yaw_rate / ramp
-    return Stretch(ramp, *rates), Stretch(HOLD_DURATION), Stretch(ramp, -rates[0], -rates[1]), Stretch(REST_DURATION)
+    up, down = _ramps(speed, yaw_rate)
+    return up, Stretch(HOLD_DURATION), down, Stretch(REST_DURATION)
 
 
 def _swung(speed: float, yaw_rate: float) -> tuple[Stretch, ...]:
     """There, back, and there again."""
-    ramp = _whole(max(speed / ACCELERATION, yaw_rate / YAW_ACCELERATION))
-    up, down = (speed / ramp, yaw_rate / ramp), (-speed / ramp, -yaw_rate / ramp)
-    over = 2 * ramp
-    return (
-        *(Stretch(ramp, *up), Stretch(over, *down), Stretch(over, *up), Stretch(over, *down), Stretch(ramp, *up)),
-        Stretch(REST_DURATION),
-    )
+    up, down = _ramps(speed, yaw_rate)
+    there, back = (replace(one, duration=2 * one.duration) for one in (up, down))
+    return up, back, there, back, up, Stretch(REST_DURATION)
 
 
-def _whole(duration: float) -> float:
-    """A multiple of the step, no shorter."""
-    return round(MANOEUVRE_TIME_STEP * math.ceil(duration / MANOEUVRE_TIME_STEP - 1e-9), 6)
+def _ramps(speed: float, yaw_rate: float) -> tuple[Stretch, Stretch]:
+    """From rest to a speed and a yaw rate, and back, in whole steps."""
+    least = max(abs(speed) / ACCELERATION, abs(yaw_rate) / YAW_ACCELERATION)
+    duration = round(MANOEUVRE_TIME_STEP * math.ceil(least / MANOEUVRE_TIME_STEP - 1e-9), 6)
+    rates = speed / duration, yaw_rate / duration
+    return Stretch(duration, *rates), Stretch(duration, -rates[0], -rates[1])

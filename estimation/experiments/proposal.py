@@ -93,9 +93,6 @@ class Experiment:
         while fitting := [piece for piece in known if piece.duration <= left + MANOEUVRE_TIME_STEP / 2]:
             course = max((self.after(course, piece) for piece in fitting), key=self.told)
             left -= course.pieces[-1].duration
-        return self.judged(course, start)
-
-    def judged(self, course: _Course, start: Array) -> Proposal:
         x, y, theta = start.tolist()
         deviations = tuple(one.deviations for one in course.evidence)
         return Proposal(course.pieces, (x, y, theta), self.questions, deviations)

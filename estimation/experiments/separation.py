@@ -99,7 +99,8 @@ class Evidence:
 
     def more(self, truth: Trace, rival: Trace) -> Evidence:
         """The sums with another piece added."""
-        unit, size = _unit(truth.form)
+        size = float(np.linalg.norm(truth.form))
+        unit = truth.form / size if size else truth.form
         shrink = 1.0 - 1.0 / math.sqrt(1.0 + size * size)  # rows whose noise has the form's in it, whitened
         d, slopes = truth.rows - rival.rows, rival.slopes
         d, slopes = d - shrink * unit * (unit @ d), slopes - shrink * np.outer(unit, unit @ slopes)
@@ -137,12 +138,6 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
         slopes = np.concatenate([slopes, np.zeros((len(value), 1, slopes.shape[2]))], axis=1)
     rows, by_root = (value @ weights.T).ravel(), (weights @ slopes @ belief.root).reshape(value.size, -1)
     return Trace(rows, by_root, hands.form * rows, Place(end, memory[-1], begin.time + piece.duration))
-
-
-def _unit(form: Array) -> tuple[Array, float]:
-    """The direction of a form, and its size."""
-    size = float(np.linalg.norm(form))
-    return (form / size if size else form), size
 
 
 def _is_seen_across(cart: CartModel) -> bool:

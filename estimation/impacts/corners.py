@@ -124,7 +124,7 @@ def _sizes(products: tuple[Array, Array, Array], ay: Array, by: Array) -> tuple[
     return first - second * ab / np.maximum(aa, tiny), second
 
 
-def corners(track: Track, n_tracks: int = 1) -> list[Corner]:
+def corners(track: Track, n_tracks: int) -> list[Corner]:
     """The corners of a track in order of time; `n_tracks` are looked at in all. The clearest is looked at first: it
     parts the track for the rest."""
     instants = track.time[np.unique((track.time - track.time[0]) // CORNER_TIME_STEP, return_index=True)[1]]
@@ -173,11 +173,8 @@ def jump_at(track: Track, time: float, lasts: float) -> float:
 
 def reach_of(track: Track) -> float:
     """s to either side of an instant that are looked at."""
-    return (
-        max(CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS * float(np.median(np.diff(track.time))))
-        if len(track.time) > 1
-        else CORNER_HALF_WINDOW
-    )
+    step = float(np.median(np.diff(track.time))) if len(track.time) > 1 else 0.0
+    return max(CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS * step)
 
 
 def without_corner(found: Sequence[Corner], at: Array) -> tuple[Array, Array]:

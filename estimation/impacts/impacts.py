@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from typing import Any, NamedTuple
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array, rotation_planar, wrap_angle
@@ -63,8 +64,9 @@ def impacts(log: RunLog, cart: CartModel) -> tuple[Impact, ...]:
     tracks = _tracks(poses, cart)
     found = [corners(track, len(tracks)) for track in tracks]
     hits = _merged([corner for of_track in found for corner in of_track])
-    told = (_impact(poses, tracks, hits, i) for i in range(len(hits)) if not _explained(log, cart, tracks, hits[i]))
-    return tuple(told)
+    return tuple(
+        _impact(poses, tracks, hits, i) for i, hit in enumerate(hits) if not _explained(log, cart, tracks, hit)
+    )
 
 
 class _Poses(NamedTuple):
@@ -191,11 +193,5 @@ def _pushed(log: RunLog, cart: CartModel, mass: Array, at: float) -> list[Track]
     if not log.arms or known.sum() < 2:
         return None
     time = log.time[rows][known]
-    speed = _integral(time, np.asarray(np.linalg.solve(mass, force[known].T), dtype=float))
-    return [Track(time, way) for way in _integral(time, speed)]
-
-
-def _integral(time: Array, rates: Array) -> Array:
-    """The integral (k, n) of rates (k, n) over times (n,), which begins at 0."""
-    steps = np.diff(time) * (rates[:, 1:] + rates[:, :-1]) / 2
-    return np.concatenate([np.zeros((len(rates), 1)), np.cumsum(steps, axis=1)], axis=1)
+    speed = cumulative_trapezoid(np.linalg.solve(mass, force[known].T), time, initial=0)
+    return [Track(time, way) for way in cumulative_trapezoid(speed, time, initial=0)]
