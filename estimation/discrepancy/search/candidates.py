@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
-from itertools import count, product
+from itertools import chain, count, product
 
 import numpy as np
 
@@ -80,33 +80,22 @@ def _labels(kind: type[Effect], cart: CartModel, arms: Sequence[str]) -> Iterato
 
 
 def free_label(kind: type[Effect], cart: CartModel) -> str:
-    """A label that no effect of this kind has."""
+    """A label that no effect of this kind has: none, or else 2, 3 and so on."""
     taken = {effect.label for effect in cart.effects if isinstance(effect, kind)}
-    return next(label for label in _numbered() if label not in taken)
-
-
-def _numbered() -> Iterator[str]:
-    """Labels: none, then 2, 3 and so on."""
-    yield ""
-    yield from map(str, count(2))
+    return next(label for label in chain([""], map(str, count(2))) if label not in taken)
 
 
 def _variants(kind: type[Effect], label: str, cart: CartModel) -> Iterator[Effect]:
     if issubclass(kind, ConstraintEffect):
         yield kind.usual(label)
-        return
-    effect = kind(label=label)
-    absent = effect.values.tolist()
-    if kind.gate is Gate.FROM:
-        absent[0] = -UNBOUNDED_LENGTH
-    elif kind.gate is Gate.WHILE:
-        absent[:2] = -UNBOUNDED_LENGTH, 2 * UNBOUNDED_LENGTH
-    elif kind.gate is Gate.INSIDE:
-        absent[:4] = -UNBOUNDED_LENGTH, UNBOUNDED_LENGTH, -UNBOUNDED_LENGTH, UNBOUNDED_LENGTH
-    if kind is TimeDelay:
+    elif kind is TimeDelay:
         for delay in (0.01, 0.02, 0.03, 0.045, 0.065, 0.09, 0.13, 0.2):
             yield TimeDelay(delay, label=label)
-        return
-    grids = [grid or (value,) for grid, value in zip(effect.grids(cart.wheel_set), absent, strict=True)]
-    for values in product(*grids):
-        yield effect.with_values(values)
+    else:
+        far, effect = UNBOUNDED_LENGTH, kind(label=label)
+        gates = {Gate.FROM: [-far], Gate.WHILE: [-far, 2 * far], Gate.INSIDE: [-far, far, -far, far]}
+        gate = gates.get(kind.gate, [])
+        absent = gate + effect.values[len(gate) :].tolist()
+        grids = [grid or (value,) for grid, value in zip(effect.grids(cart.wheel_set), absent, strict=True)]
+        for values in product(*grids):
+            yield effect.with_values(values)

@@ -72,12 +72,8 @@ class FormError:
     def _modes(self) -> Array:
         """Whitened columns (k, c, q), each as large as it may be: the strongest of all combinations."""
         turn = self.model.cart.constraints.n_free - 1
-        found = self.model.whitened(
-            [
-                _modulated(balances, made, self._gates, turn)
-                for balances, made in zip(self.model.logs, self._made, strict=True)
-            ]
-        )
+        logs = zip(self.model.logs, self._made, strict=True)
+        found = self.model.whitened([_modulated(balances, made, self._gates, turn) for balances, made in logs])
         flat = (found / self.model.score.scale[:, None]).reshape(-1, found.shape[2])
         _, along = np.linalg.eigh(flat.T @ flat)
         return np.asarray(FORM_MODE_STD * found @ along[:, -MAX_FORM_MODES:])

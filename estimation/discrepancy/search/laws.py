@@ -236,7 +236,8 @@ def _of_world(motions: Sequence[Motion], ahead: float) -> Iterator[Law]:
 
 def _fields(motions: Sequence[Motion]) -> tuple[LearnedForce, Array, Array]:
     """A force over the places of motions, and bases (a, q) of planes and of parabolas."""
-    x, y = (_around(_span([m.pose[:, i] for m in motions])) for i in range(2))
+    ends = [_span([m.pose[:, i] for m in motions]) for i in range(2)]
+    x, y = (np.mean(each) + np.diff(each) / 2 * FIELD_KNOTS for each in ends)
     across, along = (part.ravel() for part in np.meshgrid(FIELD_KNOTS, FIELD_KNOTS, indexing="ij"))
     plane = np.stack([np.ones_like(along), across, along], axis=1)
     bowl = np.column_stack([plane, across**2, across * along, along**2])
@@ -259,11 +260,6 @@ def both_ways(form: str, effect: LearnedForce, basis: Array) -> Law:
     """A force of the world along x, and one along y, each with a basis."""
     both = tuple(replace(effect, direction=way) for way in (0.0, np.pi / 2))
     return Law(form, both, np.kron(np.eye(2), basis).astype(float))
-
-
-def _around(ends: Array) -> Array:
-    """Knots of a field."""
-    return np.asarray(np.mean(ends) + np.diff(ends) / 2 * FIELD_KNOTS)
 
 
 def _span(signals: Sequence[Array]) -> Array:

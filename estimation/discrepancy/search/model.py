@@ -160,11 +160,6 @@ class Model:
     def _prior_of(self, cart: CartModel) -> ParameterPrior:
         return structure_prior(cart, self.guess, self.wide, self.is_pushed, self.believed)
 
-    @property
-    def names(self) -> set[str]:
-        """Names of the cart's effects."""
-        return {effect.name for effect in self.cart.effects}
-
     @classmethod
     def started(
         cls, logs: Sequence[Balances], guess: CartModel, believed: Prior | None = None, clock_std: float = 0.0
@@ -209,9 +204,8 @@ class Model:
             timing[..., i] = balances.timing(cart)
             found.append(np.concatenate([*parts, timing], axis=2))
         std = [np.ones(len(constraints)), *(law.std for law in self.laws), np.full(len(forces), FORCE_LEVER_STD)]
-        std.append(
-            np.hypot(TIMING_STD_FRACTION * np.array([balances.sample_step for balances in self.logs]), self.clock_std)
-        )
+        steps = np.array([balances.sample_step for balances in self.logs])
+        std.append(np.hypot(TIMING_STD_FRACTION * steps, self.clock_std))
         return Nuisance(tuple(found), np.concatenate(std))
 
     @cached_property

@@ -58,9 +58,8 @@ class Scan:
 
     def of(self, course: Covariates) -> Array:
         """The variable (n,) where the force is."""
-        return np.asarray(
-            getattr(course, self.variable) - self.effect.lever * course.heading * (self.variable == "way")
-        )
+        turned = self.effect.lever * course.heading * (self.variable == "way")
+        return np.asarray(getattr(course, self.variable) - turned)
 
     def columns(
         self, frequencies: Array, harmonics: int, course: Covariates, balances: Balances, cart: CartModel
@@ -195,9 +194,7 @@ def scanned(
     those of which the powers of all harmonics gain most for the information that a model's rows have."""
     logs, cart, found, count = model.logs, model.cart, list[list[ScoredPeriod]](), 0
     courses = [replace(Covariates.along(balances.motion), time=balances.motion.time) for balances in logs]
-    resolved = min(
-        1 / GRID_STRIDE - balances.motion.step / balances.row_step for balances in logs
-    )  # no wave passes for slow
+    resolved = min(1 / GRID_STRIDE - b.motion.step / b.row_step for b in logs)  # no wave passes for slow
 
     def columns(scan: Scan, frequencies: Array, harmonics: int) -> Array:
         """Whitened columns (v, k, c, 2 h)."""

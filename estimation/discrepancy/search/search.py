@@ -54,9 +54,7 @@ ClosesGap = Callable[[Model, Model], bool]
 """Whether a model closes most of what another leaves on stretches that it did not see."""
 
 
-def search(
-    model: Model, tell: Callable[[str], None] = lambda _: None, closes: ClosesGap = lambda less, more: False
-) -> tuple[Model, list[SearchStep]]:
+def search(model: Model, tell: Callable[[str], None], closes: ClosesGap) -> tuple[Model, list[SearchStep]]:
     """The model with all that is worth it, and what was tried on the way."""
     nominal = replace(model, compares=True).rewhitened()
     model, steps = simplified(*named_instead(*_forward_selection(nominal, tell, closes), tell, closes))
@@ -74,7 +72,8 @@ def named_instead(
     alike = replace(model, laws=()).refitted(named.cart)
     if score_gain(alike.score, model.score, None) > margin(alike, model):
         return model, steps
-    return named, [*(step for step in steps if not _adds_law(step)), *others]
+    kept = (step for step in steps if step.added is None or not isinstance(step.added.candidate, Law))
+    return named, [*kept, *others]
 
 
 def _forward_selection(
@@ -108,10 +107,6 @@ def _first(steps: list[SearchStep]) -> float:
     """What an effect or a law gained at most."""
     found = (step.added for step in steps if step.added is not None)
     return max((one.gain for one in found if not isinstance(one.candidate, Refit)), default=0.0)
-
-
-def _adds_law(step: SearchStep) -> bool:
-    return step.added is not None and isinstance(step.added.candidate, Law)
 
 
 def simplified(model: Model, steps: list[SearchStep]) -> tuple[Model, list[SearchStep]]:
@@ -164,7 +159,7 @@ def resized(model: Model) -> Model:
     return model
 
 
-def ranked_candidates(model: Model, has_laws: bool = True) -> list[ScoredCandidate]:
+def ranked_candidates(model: Model, has_laws: bool) -> list[ScoredCandidate]:
     """All candidates, with laws or without, the most worth first; the best few refitted."""
     screen, found = Screen(model), []
     for family in every_family(model):
@@ -174,8 +169,7 @@ def ranked_candidates(model: Model, has_laws: bool = True) -> list[ScoredCandida
             found.append(max(own, key=lambda one: one.gain))
     for effect in model.guess.effects:
         if effect.key not in model.wide and any(p.estimated for p in effect.parameters):
-            new = replace(model, wide=model.wide | {effect.key})
-            new = new.refitted(model.cart)
+            new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
             gain, error = score_gain(model.score, new.score, None), standard_error(model.score, new.score)
             found.append(ScoredCandidate(Refit(effect), gain, 1, new, error))
     for law, count in (*model.other_laws, *screen.laws()) if has_laws else ():
@@ -245,11 +239,10 @@ def is_eligible(one: ScoredCandidate) -> bool:
 
 def missing_evidence(effect: Effect, model: Model) -> str:
     """What logs lack to tell an effect from a simpler one, in words; empty where nothing."""
-    if (
-        effect.gate is Gate.INSIDE
-        and sum(_time_outside(effect.values[:4], model.cart, b) for b in model.logs) < MIN_CHANGE_MARGIN
-    ):
-        return f"no wheel was outside for {MIN_CHANGE_MARGIN:g} s"
+    if effect.gate is Gate.INSIDE:
+        outside = (_time_outside(effect.values[:4], model.cart, balances) for balances in model.logs)
+        if sum(outside) < MIN_CHANGE_MARGIN:
+            return f"no wheel was outside for {MIN_CHANGE_MARGIN:g} s"
     name = ESSENTIAL_PARAMETERS.get(effect.name, "")
     if not name:
         return ""
@@ -267,9 +260,7 @@ def _time_outside(region: Array, cart: CartModel, balances: Balances) -> float:
     return float((leaves(motion.pose, region, cart.wheel_set) & moves).sum() * motion.step)
 
 
-def refitted_candidate(
-    model: Model, screen: Screen, one: ScoredCandidate, forms: FormError | None = None
-) -> ScoredCandidate:
+def refitted_candidate(model: Model, screen: Screen, one: ScoredCandidate, forms: FormError | None) -> ScoredCandidate:
     """Candidate with its settings where they are best, and fitted with all else; beside the forms of a model's effects,
     too."""
     if isinstance(one.candidate, Refit):
