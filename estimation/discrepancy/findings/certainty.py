@@ -81,9 +81,8 @@ class Certainty:
         if not self.model.prior.free[0]:
             return 0.0 * score.fit
         along = score.covariance[:, 0] / score.covariance[0, 0]
-        return np.asarray(
-            along * np.clip(self._mass[0] - coordinates(self.model.cart)[0], -MAX_LOG_MASS_CHANGE, MAX_LOG_MASS_CHANGE)
-        )
+        change = self._mass[0] - coordinates(self.model.cart)[0]
+        return np.asarray(along * np.clip(change, -MAX_LOG_MASS_CHANGE, MAX_LOG_MASS_CHANGE))
 
     @cached_property
     def laws(self) -> tuple[tuple[str, LearnedLaw], ...]:
@@ -142,10 +141,9 @@ class Certainty:
         model, found = self.model, dict[str, tuple[Array, float]]()
         for effect in (one for one in self._new if not isinstance(one, SensorEffect)):
             for which in dict.fromkeys(move.which for move in moves(effect)):
-                step = SETTING_STEP.get(
-                    effect.parameters[which].unit, RELATIVE_SETTING_STEP * abs(float(effect.values[which]))
-                )
-                ends = [effect.values + share * step * np.eye(len(effect.values))[which] for share in (-1.0, 1.0)]
+                share = RELATIVE_SETTING_STEP * abs(float(effect.values[which]))
+                step = SETTING_STEP.get(effect.parameters[which].unit, share)
+                ends = [effect.values + sign * step * np.eye(len(effect.values))[which] for sign in (-1.0, 1.0)]
                 if step and all(is_open(effect, end) for end in ends):
                     bare = model.cart.without_effect(effect.key)
                     low, high = (bare.with_effect(effect.with_values(end)) for end in ends)
@@ -181,7 +179,8 @@ class Certainty:
         scale = np.ones(len(values))
         scale[[0, 3]] = body.mass, body.about_com
         usual = np.minimum(Prior().deviations(cart), prior.std * scale)
-        taught = prior.free & (std * scale < IDENTIFIED_STD_RATIO * usual) & ~self._at_bound
+        (lower, upper), z = bounds(cart), coordinates(cart)
+        taught = prior.free & (std * scale < IDENTIFIED_STD_RATIO * usual) & (lower < z) & (z < upper)
         rows = zip(report_names(cart), report_units(cart), values, std * scale, taught, strict=True)
         return {n: ParameterEstimate(float(v), float(s), unit, bool(known)) for n, unit, v, s, known in rows}
 
@@ -194,12 +193,6 @@ class Certainty:
                 is_new = effect.key not in known and parameter.estimated
                 found.append(SIZE_FORM_FRACTION * abs(value - parameter.absent) if is_new else 0.0)
         return np.array(found)
-
-    @property
-    def _at_bound(self) -> np.ndarray:
-        lower, upper = bounds(self.cart)
-        z = coordinates(self.cart)
-        return np.asarray((z <= lower) | (z >= upper))
 
     @cached_property
     def settings(self) -> Mapping[str, float]:
@@ -237,11 +230,8 @@ class Certainty:
             least = {"s": MIN_TIME_STD, "m": MIN_PLACE_STD}.get(unit, 0.0)
             if effect.gate.n_parameters <= which:
                 name = effect.parameters[which].name
-                least = (
-                    FORCE_LEVER_STD
-                    if name in "xy"
-                    else min(least, LENGTH_FORM_FRACTION * abs(float(effect.values[which])))
-                )
+                form = LENGTH_FORM_FRACTION * abs(float(effect.values[which]))
+                least = FORCE_LEVER_STD if name in "xy" else min(least, form)
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return effect, found
 

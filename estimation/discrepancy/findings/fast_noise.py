@@ -9,6 +9,7 @@ slow.
 from __future__ import annotations
 
 from dataclasses import replace
+from itertools import product
 
 import numpy as np
 
@@ -49,10 +50,5 @@ def fast_noise(balances: Balances, cart: CartModel) -> Array:
 
 def _passed(balances: Balances, order: int) -> float:
     """Variance of a third difference of rows, of white noise through a derivative of the test functions."""
-    return float(
-        sum(
-            a * b * balances.overlap(order, abs(i - j))
-            for i, a in enumerate(THIRD_DIFFERENCE)
-            for j, b in enumerate(THIRD_DIFFERENCE)
-        )
-    )
+    pairs = product(enumerate(THIRD_DIFFERENCE), repeat=2)
+    return float(sum(a * b * balances.overlap(order, abs(i - j)) for (i, a), (j, b) in pairs))

@@ -84,11 +84,8 @@ def _folds_at(times: Array, balances: Balances, own: np.ndarray) -> np.ndarray:
 @cached_per_model
 def floor_rollouts(model: Model) -> Rollouts:
     """Rollouts of what noise alone would do to a right model."""
-    generator, found, whole = np.random.default_rng(0), [], model.cart_with_laws
-    for balances in model.logs:
-        noise = fast_noise(balances, whole)
-        found.append(noise_rollouts(balances, model.cart, noise, generator, NOISE_DRAWS))
-    return joined(found)
+    generator, whole = np.random.default_rng(0), model.cart_with_laws
+    return joined([noise_rollouts(b, model.cart, fast_noise(b, whole), generator, NOISE_DRAWS) for b in model.logs])
 
 
 def _without(model: Model, fold: int) -> CartModel:
@@ -104,9 +101,8 @@ def _without(model: Model, fold: int) -> CartModel:
     if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
         mass = float(z[0] + step[0])
         more = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
-        step[own] += (
-            covariance[:, 0] / covariance[0, 0] * np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE)
-        )
+        more = float(np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE))
+        step[own] += covariance[:, 0] / covariance[0, 0] * more
     far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
     step /= max(far / MAX_LOG_INERTIA_CHANGE, 1.0)
     z[free] += step[: len(free)]

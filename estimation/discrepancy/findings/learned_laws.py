@@ -113,9 +113,8 @@ class LearnedLaw:
 
     @property
     def _force(self) -> str:
-        effect, where = self.effect, ""
-        if effect.acts_on == "world_force":
-            where = self._towards
+        effect = self.effect
+        where = self._towards if effect.acts_on == "world_force" else ""
         if effect.lever and effect.acts_on in LEVER_TARGETS:
             where = f" {self._side}"
         return FORCE_PHRASES[effect.acts_on] + where

@@ -101,9 +101,8 @@ def rolled_out(
             last = first + k + 1
             inside = last < len(motion.time)
             inside[inside] = seen[last[inside]] == seen[first[inside]]
-            found[inside, ends.index(k + 1)] = np.clip(
-                np.nan_to_num(state[inside, :3], nan=DIVERGED_ERROR), -DIVERGED_ERROR, DIVERGED_ERROR
-            )
+            reached = np.nan_to_num(state[inside, :3], nan=DIVERGED_ERROR)
+            found[inside, ends.index(k + 1)] = np.clip(reached, -DIVERGED_ERROR, DIVERGED_ERROR)
     return found
 
 
@@ -160,7 +159,5 @@ def _stable_step(balances: Balances, cart: CartModel) -> float:
         return MAX_ROLLOUT_STEP
     rows = np.linspace(0, len(balances.motion.time) - 1, STIFFNESS_SAMPLES).astype(int)
     planar = balances.wrenches.planar(cart)[rows]
-    return MAX_STABLE_STEP_RATE / max(
-        MAX_STABLE_STEP_RATE / MAX_ROLLOUT_STEP,
-        cart.stiffness(balances.state(cart)[rows], planar, balances.motion.time[rows]),
-    )
+    fastest = cart.stiffness(balances.state(cart)[rows], planar, balances.motion.time[rows])
+    return MAX_STABLE_STEP_RATE / max(MAX_STABLE_STEP_RATE / MAX_ROLLOUT_STEP, fastest)

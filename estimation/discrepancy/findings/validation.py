@@ -76,9 +76,8 @@ def closes_most(less: Model, more: Model) -> bool:
     best = _known_error(less)
     if best <= DISAGREEMENT_NOISE_RATIO * floor:
         return False
-    return rollout_error(held_out_rollouts(more)) ** 2 - floor**2 < (1.0 - MIN_GAP_CLOSED_FRACTION) * (
-        best**2 - floor**2
-    )
+    left = rollout_error(held_out_rollouts(more))
+    return left**2 - floor**2 < (1.0 - MIN_GAP_CLOSED_FRACTION) * (best**2 - floor**2)
 
 
 def _known_error(model: Model) -> float:
