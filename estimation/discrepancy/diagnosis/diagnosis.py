@@ -326,11 +326,8 @@ def _diagnosed(
         band = consistent(bands(whole, cart))
         found = impacts(log, _with_band_mass(cart, band))
         check = checked(log, cart, whole)
-        checks.append(
-            with_suspicions(
-                check, (*sensors.suspicions, *wrench_suspicions(whole, cart), *wheel_suspicions(whole, cart))
-            )
-        )
+        seem = (*sensors.suspicions, *wrench_suspicions(whole, cart), *wheel_suspicions(whole, cart))
+        checks.append(with_suspicions(check, seem))
         lost = jump_times(sensors.log)
         cut = segments(sensors.log, cart, found, lost) if found or len(lost) else ()
         between = [part for part in cut if len(part.used)]

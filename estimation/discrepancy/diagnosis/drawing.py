@@ -34,9 +34,9 @@ def svg(figure: Figure) -> str:
     return text[text.index("<svg") :]
 
 
-def grid(rows: int, columns: int, height: float, width: float = 9.4, **shared: Any) -> tuple[Figure, np.ndarray]:
+def grid(rows: int, columns: int, height: float, **shared: Any) -> tuple[Figure, np.ndarray]:
     """Axes (rows, columns) of such heights on a figure (inches)."""
-    figure = Figure(figsize=(width, height * rows + 0.4), layout="constrained")
+    figure = Figure(figsize=(9.4, height * rows + 0.4), layout="constrained")
     axes = figure.subplots(rows, columns, squeeze=False, **shared)
     for ax in axes.ravel():
         ax.tick_params(labelsize=7)

@@ -31,11 +31,8 @@ def law_figure(found: Diagnosis) -> Figure:
     wheels = [wheel.y for wheel in found.final.cart.wheels if wheel.y]
     for row, law in zip(axes, laws, strict=True):
         at, force, told = required_forces(found, law)
-        effect, unit, every = (
-            law.effect,
-            law.effect.parameters[0].unit,
-            slice(None, None, 1 + len(at) // MAX_FIGURE_DOTS),
-        )
+        effect, every = law.effect, slice(None, None, 1 + len(at) // MAX_FIGURE_DOTS)
+        unit = effect.parameters[0].unit
         if effect.knots_y:
             on_floor(figure, row, at[every], [force[every], (force - told)[every]], f"force ({unit})")
             continue

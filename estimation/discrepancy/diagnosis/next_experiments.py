@@ -80,7 +80,8 @@ def undecided(found: Diagnosis) -> Experiment | None:
 
     own = add(final)
     for effect, others in _alternatives(found):
-        known = [(one.key, add(_swapped(final, effect, one))) for one in others]
+        less = final.cart.without_effect(effect.key)
+        known = [(one.key, add(final.refitted(less.with_effect(one)))) for one in others]
         for k, (name, place) in enumerate(known):
             questions += [Question(effect.key, name, own, place), Question(name, effect.key, place, own)]
             for other, beside in known[:k]:
@@ -116,10 +117,6 @@ def _alternatives(found: Diagnosis) -> Iterator[tuple[Effect, list[Effect]]]:
         others = [one for one in known if isinstance(one, Effect) and _is_seen(one) and one.key not in left]
         if own and _is_seen(own) and others:
             yield own, others
-
-
-def _swapped(final: Model, effect: Effect, other: Effect) -> Model:
-    return final.refitted(final.cart.without_effect(effect.key).with_effect(other))
 
 
 def _nearly_added(found: Diagnosis) -> list[Effect]:
@@ -232,11 +229,8 @@ def _proposal_sigmas(proposal: Proposal) -> tuple[PairSigmas, dict[str, float]]:
 
 
 def _listed(names: list[str], link: str) -> str:
-    told = (
-        names
-        if len(names) <= MAX_LISTED_NAMES + 1
-        else [*names[:MAX_LISTED_NAMES], f"{len(names) - MAX_LISTED_NAMES} more"]
-    )
+    more = len(names) - MAX_LISTED_NAMES
+    told = [*names[:MAX_LISTED_NAMES], f"{more} more"] if more > 1 else names
     return f" {link} ".join((", ".join(told[:-1]), told[-1])[len(told) < 2 :])
 
 

@@ -144,14 +144,10 @@ def _effects(found: Diagnosis) -> str:
         told = [_valued(name, *numbers) for name, numbers in one.parameters.items()]
         size = [words_of(group, alike=False), f"likely {law.likely}"] if law else told
         names, alike = ", ".join(each.called for each in group), ", ".join(one.alike) or "-"
-        rows.append([names, "\n".join(size), _chance(one.probability), alike, f"{100 * one.gap_share:.0f} %"])
+        chance = f"{100 * one.probability:.0f} %" if one.probability < 0.99 else "> 99 %"  # none is certain
+        rows.append([names, "\n".join(size), chance, alike, f"{100 * one.gap_share:.0f} %"])
     columns = ["effect", f"size {ONE_STD}", "probability", "not told apart from", "gap closed"]
     return f"<p>{SECTION_TEXTS['added']}</p>{_table(columns, rows, 'text')}" if rows else "<p>Nothing.</p>"
-
-
-def _chance(probability: float) -> str:
-    """A probability in per cent, of which none is certain."""
-    return f"{100 * probability:.0f} %" if probability < 0.99 else "> 99 %"
 
 
 def _valued(name: str, value: float, std: float, unit: str) -> str:

@@ -112,20 +112,14 @@ def dependences(found: Diagnosis, shown: Sequence[tuple[ResidualPair, ResidualPa
         share, best = strongest_dependence(coarse[0], but="time")
         if found.disagrees and share > MIN_DRAWN_FRACTION and best:
             values = variables(fine[0].circumstances)[best.variable, best.unit]
-            means = tuple((one.at, one.mean, one.std) for one in maps[coarse[0].coordinate, best.variable])
-            yield Dependence(fine, f"{best.variable} ({best.unit})", values, means)
+            binned = tuple((one.at, one.mean, one.std) for one in maps[coarse[0].coordinate, best.variable])
+            yield Dependence(fine, f"{best.variable} ({best.unit})", values, binned)
     for effect in (law.effects[0] for law in found.withdrawn if law.period):
         fine = shown[0][0]
         values = row_values(effect, with_fine_rows(found.final.logs)) % effect.cycle
-        yield Dependence(
-            fine, f"{variable_of(effect)} ({unit_of(effect)}), folded", values, tuple(_folded(fine, values))
-        )
-
-
-def _folded(pair: ResidualPair, values: Array) -> Iterator[tuple[Array, Array, None]]:
-    for residual in pair:
-        at, mean, _ = means(residual, values, np.linspace(0.0, values.max(), BINS_PER_PERIOD + 1))
-        yield at, mean, None
+        bins = np.linspace(0.0, values.max(), BINS_PER_PERIOD + 1)
+        folded = tuple((*means(residual, values, bins)[:2], None) for residual in fine)
+        yield Dependence(fine, f"{variable_of(effect)} ({unit_of(effect)}), folded", values, folded)
 
 
 def dependence_figure(rows: Sequence[Dependence]) -> Figure:
@@ -147,7 +141,6 @@ def floor_figure(shown: Sequence[tuple[ResidualPair, ResidualPair]]) -> Figure:
     """Figure of residuals on the floor, a row for each coordinate."""
     figure, axes = sides(len(shown), len(shown[0][1]), 2.6, sharex=True)
     for row, (_, pair) in zip(axes, shown, strict=True):
-        on_floor(
-            figure, row, pair[0].circumstances.covariates.place, [one.value for one in pair], residual_label(pair[0])
-        )
+        places, values = pair[0].circumstances.covariates.place, [one.value for one in pair]
+        on_floor(figure, row, places, values, residual_label(pair[0]))
     return figure

@@ -11,7 +11,6 @@ from ..findings.verdicts import verdict
 from ..search.gains import CONFUSABLE_NATS
 
 if TYPE_CHECKING:
-    from ..findings.gap import Gap
     from .diagnosis import Diagnosis
 
 REFIT_IMPROVEMENT_RATIO = 2.0
@@ -42,13 +41,9 @@ def _of_model(found: Diagnosis) -> str:
     names, them = "; ".join(map(words_of, grouped(found.effects))), "them" if several else "it"
     part = "" if found.verdict == "explained" else f", which {'explain' if several else 'explains'} a part"
     shrinks = f"the 1 s rollout error goes from {1e3 * gap.refitted:.1f} mm to {1e3 * gap.after:.1f} mm"
-    return f"The model lacks {names}{part}: with {them} {shrinks}, {_closed(gap)}; {floor}."
-
-
-def _closed(gap: Gap) -> str:
-    """How much of what is more than noise, by squares."""
     share = (gap.refitted**2 - gap.after**2) / max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
-    return f"which closes {100 * min(max(share, 0.0), 1.0):.0f} % of the gap"
+    closed = f"which closes {100 * min(max(share, 0.0), 1.0):.0f} % of the gap"
+    return f"The model lacks {names}{part}: with {them} {shrinks}, {closed}; {floor}."
 
 
 def _likeliest(found: Diagnosis) -> str:

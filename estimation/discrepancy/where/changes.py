@@ -21,9 +21,8 @@ def changes(standard: Array) -> list[int]:
     if len(standard) < 2:
         return []
     search = ruptures.Pelt(custom_cost=_Size(), min_size=1, jump=1 + len(standard) // MAX_CHANGE_POINT_PLACES)
-    return [
-        int(place) for place in search.fit(standard[:, None]).predict(CHANGE_POINT_PENALTY * np.log(len(standard)))[:-1]
-    ]
+    ends = search.fit(standard[:, None]).predict(CHANGE_POINT_PENALTY * np.log(len(standard)))
+    return [int(place) for place in ends[:-1]]
 
 
 class _Size(ruptures.base.BaseCost):  # type: ignore[misc]

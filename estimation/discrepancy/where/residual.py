@@ -85,9 +85,8 @@ class Residual:
 def residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
     """Residuals that `model` leaves of every coordinate, with standard deviations by `noise`, whose rows' noise is
     believed."""
-    return _residuals(
-        model, noise, model.logs, max(MEAN_STRETCH_INTERVAL, *(balances.row_step for balances in model.logs))
-    )
+    duration = max(MEAN_STRETCH_INTERVAL, *(balances.row_step for balances in model.logs))
+    return _residuals(model, noise, model.logs, duration)
 
 
 def fine_residuals(model: Model, noise: Model) -> tuple[Residual, ...]:
