@@ -10,7 +10,6 @@ import numpy as np
 from scipy.special import expit
 
 from cartgrasp.effects import Effect, EndStop
-from cartgrasp.effects.effect import Parameter
 from cartgrasp.model import CartModel
 
 from ...impacts.end_stops import StopEstimate
@@ -157,22 +156,17 @@ def name_probability(gain: float, first: float, closes: bool) -> float:
 
 
 def _parameters(effect: Effect, certainty: Certainty) -> dict[str, tuple[float, float, str]]:
-    """Values, standard deviations and units of an effect's parameters, but for those of which the logs say nothing,
-    where they say something of another."""
+    """Values, standard deviations and units of an effect's parameters, but for those that may as well be absent as of
+    their usual size, where the logs say something of another."""
     told, untaught = {}, set()
     for parameter, key, value in zip(effect.parameters, effect.keys, effect.values.tolist(), strict=True):
         known, settings = certainty.parameters[key], certainty.settings
         std = settings.get(key, known.std if parameter.estimated else 0.05 * abs(value))
         told[parameter.name] = (float(value), float(std), parameter.unit)
-        if parameter.estimated and _says_nothing(parameter, value, std):
+        if parameter.estimated and std > parameter.typical and abs(value - parameter.absent) < PRESENT_SIGMAS * std:
             untaught.add(parameter.name)
     estimated = {parameter.name for parameter in effect.parameters if parameter.estimated}
     return told if untaught == estimated else {name: one for name, one in told.items() if name not in untaught}
-
-
-def _says_nothing(parameter: Parameter, value: float, std: float) -> bool:
-    """Whether it may as well be absent as of its usual size."""
-    return std > parameter.typical and abs(value - parameter.absent) < PRESENT_SIGMAS * std
 
 
 def named_stops(stops: Sequence[StopEstimate], cart: CartModel) -> tuple[NamedEffect, ...]:

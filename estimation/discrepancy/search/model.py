@@ -9,7 +9,7 @@ from itertools import accumulate, pairwise
 
 import numpy as np
 
-from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
+from cartgrasp.effects import ConstraintEffect, Effect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
@@ -284,12 +284,6 @@ class Model:
         first = int(self.prior.free.sum()) + len(self.cart.constraint_effects)
         edges = accumulate((law.size for law in self.laws), initial=first)
         return tuple(slice(begin, end) for begin, end in pairwise(edges))
-
-    @property
-    def other_laws(self) -> list[tuple[Law, int]]:
-        """Candidates that are laws and not among the model's, each tried once."""
-        found = [Law.free("as proposed", one) for one in self.candidates if isinstance(one, LearnedForce)]
-        return [(law, 1) for law in found if law.key not in {own.key for own in self.laws}]
 
     @property
     def motions(self) -> list[Motion]:

@@ -10,7 +10,7 @@ from itertools import combinations, product
 import numpy as np
 from scipy.optimize import minimize_scalar
 
-from cartgrasp.effects import ConstraintEffect, Effect
+from cartgrasp.effects import ConstraintEffect, Effect, LearnedForce
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
 from cartgrasp.frames import Array
@@ -169,11 +169,12 @@ class Screen:
     # --- laws ----------------------------------------------------------------------------------------------------
 
     def laws(self) -> Iterator[tuple[Law, int]]:
-        """Each smooth law that the model does not have, and the best periods with one or more harmonics; with how many
-        were tried."""
+        """Each proposed law and each smooth one that the model does not have, and the best periods with one or more
+        harmonics; with how many were tried."""
         model = self.model
-        taken, smooth = {law.key for law in model.laws}, smooth_laws(model.motions, model.cart, self._hands)
-        yield from ((law, 1) for law in smooth if law.key not in taken)
+        proposed = [Law.free("as proposed", one) for one in model.candidates if isinstance(one, LearnedForce)]
+        smooth, taken = smooth_laws(model.motions, model.cart, self._hands), {law.key for law in model.laws}
+        yield from ((law, 1) for law in (*proposed, *smooth) if law.key not in taken)
         found, count = scanned(model, self._pulls, self.gains, self._hands)
         found.sort(key=lambda best: -best[0][0])
         for _, scan, period, harmonics in (one for best in found[:MAX_KEPT_VARIANTS] for one in best):

@@ -172,7 +172,7 @@ def ranked_candidates(model: Model, has_laws: bool) -> list[ScoredCandidate]:
             new = replace(model, wide=model.wide | {effect.key}).refitted(model.cart)
             gain, error = score_gain(model.score, new.score, None), standard_error(model.score, new.score)
             found.append(ScoredCandidate(Refit(effect), gain, 1, new, error))
-    for law, count in (*model.other_laws, *screen.laws()) if has_laws else ():
+    for law, count in screen.laws() if has_laws else ():
         score = model.with_columns(model.whitened([law.columns(b, model.cart) for b in model.logs]), law.std)
         found.append(ScoredCandidate(law, score_gain(model.score, score, None) - np.log(count), count))
     found.sort(key=lambda one: -one.gain)
@@ -223,7 +223,7 @@ def _margin(one: ScoredCandidate, best: ScoredCandidate) -> float:
     assert one.model is not None
     assert best.model is not None
     is_form = isinstance(best.candidate, Law) and not isinstance(one.candidate, Law)
-    by_chance = margin(one.model, best.model, *(each.gate for each in (one, best)))
+    by_chance = margin(one.model, best.model, one.gate, best.gate)
     return max(by_chance, MIN_GAIN_FRACTION * best.gain if is_form else 0.0)
 
 
