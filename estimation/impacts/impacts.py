@@ -51,7 +51,6 @@ class Impact:
     speed_after: float
 
     def as_dict(self) -> dict[str, Any]:
-        """The impact as a report tells it."""
         speeds = {"speed_before": self.speed_before, "speed_after": self.speed_after}
         return {"time": self.time, "pose": self.pose.tolist(), **speeds}
 

@@ -233,7 +233,6 @@ class Diagnosis:
 
     @property
     def sentence(self) -> str:
-        """The verdict, for people."""
         return sentence(self)
 
     @cached_property
@@ -248,7 +247,6 @@ class Diagnosis:
 
     @cached_property
     def next_experiment(self) -> NextExperiment:
-        """What to record next."""
         return next_experiment(self)
 
     @property
@@ -346,18 +344,9 @@ def _diagnosed(
         gap, stays = reported_gap(nominal, final)
     offsets = clock_offsets(final)
     told = checks if len(offsets) > len(checks) else with_clock_offsets(checks, offsets)
+    is_refused = is_moved and stays
     return Diagnosis(
-        cart,
-        tuple(told),
-        widest,
-        nominal,
-        final,
-        tuple(steps),
-        shares,
-        gap,
-        is_moved and stays,
-        tuple(hits),
-        withdrawn,
+        cart, tuple(told), widest, nominal, final, tuple(steps), shares, gap, is_refused, tuple(hits), withdrawn
     )
 
 

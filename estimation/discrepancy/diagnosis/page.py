@@ -137,7 +137,6 @@ def _gap_table(found: Diagnosis) -> str:
 
 
 def _effects(found: Diagnosis) -> str:
-    """Table of the effects that were added, a row for each."""
     rows = []
     for group in grouped(found.effects):
         one, law = group[0], group[0].law
@@ -155,7 +154,6 @@ def _valued(name: str, value: float, std: float, unit: str) -> str:
 
 
 def _impacts(found: Diagnosis) -> str:
-    """Where the cart was hit, if it was."""
     told = [(one.time, (*one.pose[:2], one.speed_before, one.speed_after)) for one in found.impacts]
     rows = [[f"{time:.2f}", *(f"{value:.3f}" for value in values)] for time, values in told]
     columns = ["t, s", "x, m", "y, m", "speed before, m/s", "speed after, m/s"]

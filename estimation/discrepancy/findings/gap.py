@@ -33,16 +33,6 @@ class Gap:
     per_coordinate: dict[str, dict[str, float]]
     per_horizon: dict[str, dict[str, float]]
 
-    def as_the_file_has_it(self, *kinds: str) -> Gap:
-        """The gap with the errors of the cart as it was believed for those of such kinds, of which it foretells
-        better."""
-
-        def told(table: dict[str, dict[str, float]]) -> dict[str, dict[str, float]]:
-            return {of: one | dict.fromkeys(kinds, one["before"]) for of, one in table.items()}
-
-        horizons = told(self.per_horizon)
-        return Gap(**horizons["1 s"], per_coordinate=told(self.per_coordinate), per_horizon=horizons)
-
     def as_dict(self) -> dict[str, Any]:
         return {"metric": "root mean square distance after a 1 s rollout on held-out stretches, m", **asdict(self)}
 
@@ -54,7 +44,12 @@ def reported_gap(nominal: Model, final: Model) -> tuple[Gap, bool]:
     if gap.refitted <= max(gap.before, gap.noise_floor):
         return gap, False
     stays = not (added(final) or final.laws)
-    return gap.as_the_file_has_it("refitted", *(["after"] if stays else [])), stays
+    kinds = ("refitted", "after") if stays else ("refitted",)
+    coordinates, horizons = (
+        {of: one | dict.fromkeys(kinds, one["before"]) for of, one in table.items()}
+        for table in (gap.per_coordinate, gap.per_horizon)
+    )
+    return Gap(**horizons["1 s"], per_coordinate=coordinates, per_horizon=horizons), stays
 
 
 def measured_gap(nominal: Model, final: Model) -> Gap:

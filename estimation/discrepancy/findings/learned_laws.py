@@ -59,7 +59,6 @@ class LearnedLaw:
 
     @property
     def unit(self) -> str:
-        """Unit of the variable."""
         return unit_of(self.effect)
 
     @property
@@ -168,7 +167,6 @@ class LearnedLaw:
             yield VARIABLE_LAW_CAUSES[effect.of]
 
     def as_dict(self) -> dict[str, Any]:
-        """The law as a report has it."""
         period = self.effect.period or None
         return {
             "acts_on": self.effect.acts_on,

@@ -48,7 +48,6 @@ def may_follow(steps: Sequence[SearchStep]) -> tuple[Law, ...]:
 
 
 def _kept(one: ScoredCandidate, final: Model) -> str:
-    """Whether what was added was kept."""
     if isinstance(one.candidate, Law):
         return ADDED if any(law.kind == one.candidate.kind for law in final.laws) else WITHDRAWN
     if isinstance(one.candidate, Refit):

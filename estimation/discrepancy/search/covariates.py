@@ -43,12 +43,10 @@ class Covariates:
 
     @property
     def x(self) -> Array:
-        """x of {b}'s place (b,), m."""
         return self.place[:, 0]
 
     @property
     def y(self) -> Array:
-        """y of {b}'s place (b,), m."""
         return self.place[:, 1]
 
     @classmethod

@@ -80,7 +80,6 @@ class Law:
 
     @property
     def unit(self) -> str:
-        """Unit of the variable."""
         return unit_of(self.effects[0])
 
     @property

@@ -287,7 +287,6 @@ class Model:
 
     @property
     def motions(self) -> list[Motion]:
-        """Motions of the logs."""
         return [balances.motion for balances in self.logs]
 
     @property

@@ -67,7 +67,6 @@ class ScoredCandidate:
 
     @property
     def numbers(self) -> int:
-        """How many numbers it takes."""
         if isinstance(self.candidate, Law):
             return self.candidate.size + 2
         if isinstance(self.candidate, Refit):

@@ -54,7 +54,6 @@ def _predicted_bands(final: Model) -> list[Band | None]:
 
 
 def _search_result(nominal: Model, final: Model, steps: list[SearchStep], found: Sequence[Band | None]) -> SearchResult:
-    """Result of a search, with each log's band."""
     row_steps = tuple(None if band is None else band.row_step for band in found)
     return replace(nominal, band_steps=row_steps), replace(final, band_steps=row_steps), steps, tuple(found)
 
