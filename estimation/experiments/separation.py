@@ -17,6 +17,7 @@ from collections.abc import Collection, Mapping
 from dataclasses import dataclass, replace
 
 import numpy as np
+from scipy.linalg import block_diag
 
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
@@ -67,9 +68,7 @@ class Hands:
         across = LATERAL_SPEED_WINDOW / (
             np.sqrt(2.0 * noise.rate * LATERAL_SPEED_WINDOW) * max(self.position, MIN_SIMULATED_POSE_NOISE)
         )
-        f = len(root)
-        weights = np.zeros((f + 1, f + 1)) if _is_seen_across(cart) else np.zeros((f, f))
-        weights[f:, f:], weights[:f, :f] = across, root
+        weights = block_diag(root, across) if _is_seen_across(cart) else root
         return np.asarray((self.noise.rate * MANOEUVRE_TIME_STEP) ** 0.5 * weights)
 
 

@@ -62,12 +62,6 @@ class LearnedLaw:
         return unit_of(self.effect)
 
     @property
-    def range(self) -> tuple[float, float]:
-        """Least and largest force (N; N·m, N·s/m) as the logs went."""
-        force = self.curve(self.seen)[0]
-        return float(force.min()), float(force.max())
-
-    @property
     def size(self) -> float:
         """Root mean square of the force as the logs went."""
         return float(np.sqrt(np.mean(self.curve(self.seen)[0] ** 2)))
@@ -90,9 +84,10 @@ class LearnedLaw:
 
     @property
     def _between(self) -> str:
-        """The force's range in words, in which what rounding makes of nought is nought."""
-        whole = max(map(abs, self.range))
-        low, high = (unrounded(end, whole) for end in self.range)
+        """The force's range as the logs went, in words, in which what rounding makes of nought is nought."""
+        force = self.curve(self.seen)[0]
+        whole = float(np.abs(force).max())
+        low, high = (unrounded(float(end), whole) for end in (force.min(), force.max()))
         return f"between {low:.2g} and {high:.2g} {self.effect.parameters[0].unit}"
 
     def is_beside(self, other: LearnedLaw) -> bool:

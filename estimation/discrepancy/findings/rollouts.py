@@ -57,8 +57,6 @@ def starts(balances: Balances) -> np.ndarray:
     """Points of the grid from which a rollout stays where everything was seen, on the move."""
     motion, seen = balances.motion, balances.wrenches.seen
     last = round(HORIZONS[1] / motion.step)
-    if len(seen) <= last:
-        return np.zeros(0, dtype=int)
     unseen = np.append(0, np.cumsum(~seen))
     first = np.arange(0, len(seen) - last, max(round(ROLLOUT_START_INTERVAL / motion.step), 1))
     stands = np.append(0, np.cumsum(balances.turning_speed < STANDSTILL_SPEED))
