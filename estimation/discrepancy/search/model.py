@@ -108,7 +108,7 @@ class RowNoise:
     memory: Array
 
     def whitenings(self, logs: Sequence[Balances]) -> tuple[Whitening, ...]:
-        """Of rows that are not to be compared."""
+        """Whitenings of rows that are not to be compared."""
         return tuple(self.whitening(Errors.of(balances, self.cart, False), False) for balances in logs)
 
     def beside(self, errors: Errors) -> Balances:
