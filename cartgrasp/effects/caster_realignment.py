@@ -22,7 +22,7 @@ is ahead, and not behind, hardly shows.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from ..wheels import DEFAULT_TRAIL, WheelSet
 from .effect import Parameter
@@ -49,8 +49,8 @@ class CasterRealignment(WheelForce):
     scrub_torque: float = 0.0
     smoothing_rate: float = DEFAULT_SMOOTHING_RATE
 
-    name: ClassVar[str] = "caster_realignment"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "caster_realignment"
+    parameters = (
         Parameter("swivel_torque", "N·m", typical=0.3, lower=0.0),
         Parameter("trail", "m", typical=0.01, lower=0.0, upper=1.0, estimated=False, grid=(DEFAULT_TRAIL,)),
         Parameter("x", "m", typical=0.3, lower=-10.0, upper=10.0, estimated=False, grid=(TYPICAL_CASTER_X,)),
@@ -66,9 +66,9 @@ class CasterRealignment(WheelForce):
             grid=(DEFAULT_SMOOTHING_RATE,),
         ),
     )
-    drives_memory: ClassVar[bool] = True
-    stuck_for: ClassVar[float] = 4.0
-    signature: ClassVar[str] = "drag and yaw moment within some trails of travel after a reversal"
+    drives_memory = True
+    stuck_for = 4.0
+    signature = "drag and yaw moment within some trails of travel after a reversal"
 
     def grids(self, wheels: WheelSet) -> tuple[tuple[float, ...], ...]:
         """Nobody looks for casters that are listed."""

@@ -7,7 +7,7 @@ d = (x, y, 0) the moments are greater by (y fz, -x fz, x fy - y fx), and forces 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -28,12 +28,12 @@ class ContactOffset(SensorEffect):
     x: float = 0.0
     y: float = 0.0
 
-    name: ClassVar[str] = "contact_offset"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "contact_offset"
+    parameters = (
         Parameter("x", "m", typical=0.03, estimated=False, grid=(0.0,)),
         Parameter("y", "m", typical=0.03),
     )
-    signature: ClassVar[str] = "a yaw moment in proportion to one hand's force"
+    signature = "a yaw moment in proportion to one hand's force"
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray((_shifted(-parameters) @ wrench_a[..., None])[..., 0])

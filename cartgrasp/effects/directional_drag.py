@@ -8,7 +8,7 @@ It is continuous, since it is 0 at rest either way.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Parameter
@@ -23,9 +23,9 @@ class DirectionalDrag(CompiledForce):
     forward: float = 0.0
     backward: float = 0.0
 
-    name: ClassVar[str] = "directional_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "directional_drag"
+    parameters = (
         Parameter("forward", "N·s/m", typical=2.0),
         Parameter("backward", "N·s/m", typical=2.0),
     )
-    signature: ClassVar[str] = "forward force in proportion to speed, with another slope when rolling backward"
+    signature = "forward force in proportion to speed, with another slope when rolling backward"

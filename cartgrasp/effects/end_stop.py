@@ -19,7 +19,7 @@ from __future__ import annotations
 
 import math
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Parameter, Wall
@@ -42,16 +42,16 @@ class EndStop(CompiledForce):
     stiffness: float = 0.0
     damping: float = 0.0
 
-    name: ClassVar[str] = "end_stop"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "end_stop"
+    parameters = (
         Parameter("position", "m", typical=1.0, estimated=False),
         Parameter("side", "-", typical=1.0, lower=-1.0, upper=1.0, absent=1.0, estimated=False),
         Parameter("restitution", "-", typical=0.5, lower=-1.0, upper=1.0, absent=NO_RESTITUTION, estimated=False),
         Parameter("stiffness", "N/m", typical=1e4, lower=0.0, estimated=False),
         Parameter("damping", "N·s/m", typical=100.0, lower=0.0, estimated=False),
     )
-    signature: ClassVar[str] = "the motion turns round at once, at one place"
-    searched: ClassVar[bool] = False
+    signature = "the motion turns round at once, at one place"
+    searched = False
 
     @property
     def constants(self) -> tuple[float, ...]:

@@ -8,7 +8,7 @@ with steps smoothed over `RISE_TIME`. The integral of w is the duration, however
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Gate, Parameter
@@ -27,15 +27,15 @@ class ExternalPush(CompiledForce):
     force: float = 0.0
     moment: float = 0.0
 
-    name: ClassVar[str] = "external_push"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "external_push"
+    parameters = (
         Parameter("start", "s", typical=10.0, estimated=False),
         Parameter("duration", "s", typical=0.5, lower=0.0, estimated=False),
         Parameter("force", "N", typical=20.0),
         Parameter("moment", "N·m", typical=5.0),
     )
-    gate: ClassVar[Gate] = Gate.WHILE
-    signature: ClassVar[str] = "a force and moment within one short time, whatever the motion"
+    gate = Gate.WHILE
+    signature = "a force and moment within one short time, whatever the motion"
 
     @property
     def constants(self) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ Medicine & Rehabilitation 82, 2003, 880-889), and doubles what hard rubber has o
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .effect import Gate, Parameter
 from .wheel_force import WheelForce
@@ -30,17 +30,17 @@ class FloorPatch(WheelForce):
     y_max: float = 0.0
     coefficient: float = 0.0
 
-    name: ClassVar[str] = "floor_patch"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "floor_patch"
+    parameters = (
         Parameter("x_min", "m", typical=1.0, estimated=False),
         Parameter("x_max", "m", typical=1.0, estimated=False),
         Parameter("y_min", "m", typical=1.0, estimated=False),
         Parameter("y_max", "m", typical=1.0, estimated=False),
         Parameter("coefficient", "-", typical=0.03, lower=0.0, upper=1.0, is_by_mass=True),
     )
-    gate: ClassVar[Gate] = Gate.INSIDE
-    signature: ClassVar[str] = "drag that comes and goes at places of the floor, whatever the direction"
-    ordered: ClassVar[tuple[tuple[str, str], ...]] = (("x_min", "x_max"), ("y_min", "y_max"))
+    gate = Gate.INSIDE
+    signature = "drag that comes and goes at places of the floor, whatever the direction"
+    ordered = (("x_min", "x_max"), ("y_min", "y_max"))
 
     @property
     def constants(self) -> tuple[float, ...]:

@@ -10,7 +10,7 @@ linear in m, m dx and m dy. The floor's angle is small: 1 - cos of it is left ou
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from ..wheels import GRAVITY
 from .compiled import CompiledForce
@@ -25,12 +25,12 @@ class FloorSlope(CompiledForce):
     grade_x: float = 0.0
     grade_y: float = 0.0
 
-    name: ClassVar[str] = "floor_slope"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "floor_slope"
+    parameters = (
         Parameter("grade_x", "-", typical=0.01, lower=-1.0, upper=1.0, is_by_mass=True),
         Parameter("grade_y", "-", typical=0.01, lower=-1.0, upper=1.0, is_by_mass=True),
     )
-    signature: ClassVar[str] = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
+    signature = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
 
     @property
     def constants(self) -> tuple[float, ...]:

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -21,13 +21,13 @@ class ForceBias(SensorEffect):
     fy: float = 0.0
     tz: float = 0.0
 
-    name: ClassVar[str] = "force_bias"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "force_bias"
+    parameters = (
         Parameter("fx", "N", typical=2.0),
         Parameter("fy", "N", typical=2.0),
         Parameter("tz", "N·m", typical=0.5),
     )
-    signature: ClassVar[str] = "a constant force and moment, also at rest, that keeps its sign when the motion turns"
+    signature = "a constant force and moment, also at rest, that keeps its sign when the motion turns"
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return wrench_a + self._offset(parameters)

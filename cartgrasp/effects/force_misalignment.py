@@ -6,7 +6,7 @@ The true wrench F in {a} is recorded in the turned axes, `Rz(angle)ᵀ F`, for f
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -25,9 +25,9 @@ class ForceMisalignment(SensorEffect):
 
     angle: float = 0.0
 
-    name: ClassVar[str] = "force_misalignment"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),)
-    signature: ClassVar[str] = "a side force in proportion to the forward force, and the other way round"
+    name = "force_misalignment"
+    parameters = (Parameter("angle", "rad", typical=0.05, lower=-np.pi, upper=np.pi),)
+    signature = "a side force in proportion to the forward force, and the other way round"
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray((_turn(-parameters[..., 0]) @ wrench_a[..., None])[..., 0])

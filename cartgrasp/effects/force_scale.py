@@ -6,7 +6,7 @@ It scales every inertial and drag parameter alike, so only a prior or a known pa
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -22,11 +22,9 @@ class ForceScale(SensorEffect):
 
     gain: float = 1.0
 
-    name: ClassVar[str] = "force_scale"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("gain", "-", typical=0.05, lower=0.1, upper=10.0, absent=1.0),
-    )
-    signature: ClassVar[str] = "every wrench is too large or too small in the same proportion"
+    name = "force_scale"
+    parameters = (Parameter("gain", "-", typical=0.05, lower=0.1, upper=10.0, absent=1.0),)
+    signature = "every wrench is too large or too small in the same proportion"
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray(parameters * wrench_a)

@@ -11,7 +11,7 @@ side force of the hands.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, Self, final
+from typing import Self, final
 
 from .effect import ConstraintEffect, Parameter
 
@@ -28,13 +28,13 @@ class LateralSlip(ConstraintEffect):
 
     cornering_stiffness: float = RIGID_STIFFNESS
 
-    name: ClassVar[str] = "lateral_slip"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "lateral_slip"
+    parameters = (
         Parameter(
             "cornering_stiffness", "N/rad", typical=RIGID_STIFFNESS, lower=10.0, absent=RIGID_STIFFNESS, estimated=False
         ),
     )
-    signature: ClassVar[str] = "a velocity across the wheels in proportion to speed times side force"
+    signature = "a velocity across the wheels in proportion to speed times side force"
 
     @classmethod
     def usual(cls, label: str) -> Self:

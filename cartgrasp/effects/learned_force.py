@@ -38,7 +38,7 @@ import math
 from dataclasses import dataclass, fields, replace
 from functools import cached_property
 from itertools import pairwise
-from typing import ClassVar, Self, final
+from typing import Self, final
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -86,8 +86,8 @@ class LearnedForce(CompiledForce):
     knots_y: tuple[float, ...] = ()
     amplitudes: tuple[float, ...] = ()
 
-    name: ClassVar[str] = "learned_force"
-    settings: ClassVar[tuple[Setting, ...]] = (
+    name = "learned_force"
+    settings = (
         Setting("acts_on", words=TARGET_NAMES),
         Setting("of", words=VARIABLE_NAMES),
         Setting("direction"),
@@ -98,9 +98,9 @@ class LearnedForce(CompiledForce):
         Setting("knots", is_list=True),
         Setting("knots_y", is_list=True),
     )
-    signature: ClassVar[str] = "a force that one variable foretells, whatever makes it"
-    searched: ClassVar[bool] = False
-    memory_is_seen: ClassVar[bool] = True
+    signature = "a force that one variable foretells, whatever makes it"
+    searched = False
+    memory_is_seen = True
 
     def __post_init__(self) -> None:
         if self.of == "pushed_force":

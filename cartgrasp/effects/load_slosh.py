@@ -15,7 +15,7 @@ at y = 0) swings, whatever a fit tries. Left out: where the weight of what swing
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -40,15 +40,15 @@ class LoadSlosh(CompiledForce):
     frequency: float = 1.0
     damping: float = 0.05
 
-    name: ClassVar[str] = "load_slosh"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "load_slosh"
+    parameters = (
         Parameter("mass", "kg", typical=3.0, lower=0.0),
         Parameter(
             "frequency", "Hz", typical=0.5, lower=0.05, upper=20.0, absent=1.0, estimated=False, grid=FREQUENCY_GRID
         ),
         Parameter("damping", "-", typical=0.05, lower=0.0, upper=2.0, absent=0.05, estimated=False, grid=DAMPING_GRID),
     )
-    signature: ClassVar[str] = "a forward force that swings on at one frequency after each change of speed"
+    signature = "a forward force that swings on at one frequency after each change of speed"
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:

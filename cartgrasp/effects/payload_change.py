@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledInertia
 from .effect import Gate, Parameter
@@ -24,12 +24,12 @@ class PayloadChange(CompiledInertia):
     x: float = 0.0
     y: float = 0.0
 
-    name: ClassVar[str] = "payload_change"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "payload_change"
+    parameters = (
         Parameter("time", "s", typical=10.0, estimated=False),
         Parameter("mass", "kg", typical=5.0),
         Parameter("x", "m", typical=0.2, grid=PAYLOAD_POSITION_GRID),
         Parameter("y", "m", typical=0.2, grid=PAYLOAD_POSITION_GRID),
     )
-    gate: ClassVar[Gate] = Gate.FROM
-    signature: ClassVar[str] = "mass and CoM differ before and after an instant"
+    gate = Gate.FROM
+    signature = "mass and CoM differ before and after an instant"

@@ -7,7 +7,7 @@ of {t}'s origin. Wrenches are recorded as they are.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -26,15 +26,15 @@ class PoseOffset(SensorEffect):
     y: float = 0.0
     yaw: float = 0.0
 
-    name: ClassVar[str] = "pose_offset"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "pose_offset"
+    parameters = (
         Parameter("x", "m", typical=0.03),
         Parameter("y", "m", typical=0.03),
         Parameter("yaw", "rad", typical=0.03, lower=-np.pi, upper=np.pi),
     )
-    by_arm: ClassVar[bool] = False
-    signature: ClassVar[str] = "a velocity across the wheels in proportion to the yaw rate, or to the speed"
-    moves_pose: ClassVar[bool] = True
+    by_arm = False
+    signature = "a velocity across the wheels in proportion to the yaw rate, or to the speed"
+    moves_pose = True
 
     def pose_tb(self, parameters: Array) -> Array:
         return parameters

@@ -8,7 +8,7 @@ which is `-coefficient * u |u|` where the fixed wheels keep w at 0.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Parameter
@@ -21,6 +21,6 @@ class QuadraticDrag(CompiledForce):
 
     coefficient: float = 0.0
 
-    name: ClassVar[str] = "quadratic_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (Parameter("coefficient", "N·s²/m²", typical=3.0, lower=0.0),)
-    signature: ClassVar[str] = "forward force that grows with the square of speed"
+    name = "quadratic_drag"
+    parameters = (Parameter("coefficient", "N·s²/m²", typical=3.0, lower=0.0),)
+    signature = "forward force that grows with the square of speed"

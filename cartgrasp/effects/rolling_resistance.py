@@ -11,7 +11,7 @@ and 4.5 on industrial carpet (Al-Eisawi et al., Applied Ergonomics 30, 1999, 235
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .effect import Parameter
 from .wheel_force import WheelForce
@@ -24,8 +24,6 @@ class RollingResistance(WheelForce):
 
     coefficient: float = 0.0
 
-    name: ClassVar[str] = "rolling_resistance"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0, is_by_mass=True),
-    )
-    signature: ClassVar[str] = "a step of the forward force where the cart changes direction, flat in speed"
+    name = "rolling_resistance"
+    parameters = (Parameter("coefficient", "-", typical=0.02, lower=0.0, upper=1.0, is_by_mass=True),)
+    signature = "a step of the forward force where the cart changes direction, flat in speed"

@@ -10,7 +10,7 @@ like that of every Coulomb force (`effect.py`), so exactly at rest the force is 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .effect import Parameter
 from .wheel_force import WheelForce
@@ -27,8 +27,8 @@ class StribeckFriction(WheelForce):
     speed: float = 0.05
     by_wheels: float = 0.0
 
-    name: ClassVar[str] = "stribeck_friction"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "stribeck_friction"
+    parameters = (
         Parameter("breakaway", "N", typical=5.0, lower=0.0),
         Parameter(
             "speed",
@@ -42,4 +42,4 @@ class StribeckFriction(WheelForce):
         ),
         Parameter("by_wheels", "-", typical=0.5, lower=0.0, upper=1.0, estimated=False, grid=(0.0, 1.0)),
     )
-    signature: ClassVar[str] = "a peak of the forward force near standstill, gone at speed"
+    signature = "a peak of the forward force near standstill, gone at speed"

@@ -7,7 +7,7 @@ Values are not changed, so there is nothing to correct in a sample. Simulated se
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -23,12 +23,10 @@ class TimeDelay(SensorEffect):
 
     delay: float = 0.0
 
-    name: ClassVar[str] = "time_delay"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("delay", "s", typical=0.02, lower=0.0, upper=1.0, estimated=False),
-    )
-    by_arm: ClassVar[bool] = False
-    signature: ClassVar[str] = "a force in proportion to the rate at which the recorded force changes"
+    name = "time_delay"
+    parameters = (Parameter("delay", "s", typical=0.02, lower=0.0, upper=1.0, estimated=False),)
+    by_arm = False
+    signature = "a force in proportion to the rate at which the recorded force changes"
 
     @property
     def lateness(self) -> float:

@@ -11,7 +11,7 @@ apart only when the hand takes another place.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 import numpy as np
 
@@ -35,15 +35,15 @@ class ToolInertia(SensorEffect):
     y: float = 0.0
     z: float = 0.0
 
-    name: ClassVar[str] = "tool_inertia"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "tool_inertia"
+    parameters = (
         Parameter("mass", "kg", typical=1.0, lower=0.0),
         Parameter("x", "m", typical=0.05, grid=(0.0,)),
         Parameter("y", "m", typical=0.05, grid=(0.0,)),
         Parameter("z", "m", typical=0.05, estimated=False, grid=(0.0,)),
     )
-    signature: ClassVar[str] = "a force in proportion to the acceleration of one hand, wherever it holds"
-    feels_motion: ClassVar[bool] = True
+    signature = "a force in proportion to the acceleration of one hand, wherever it holds"
+    feels_motion = True
 
     def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
         return np.asarray(wrench_a + _borne(parameters, _specific_force(parameters, hand)))

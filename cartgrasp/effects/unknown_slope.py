@@ -11,7 +11,7 @@ and in the same way each time. As numbers of their own, hx and hy are not: only 
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from ..wheels import GRAVITY
 from .compiled import CompiledForce
@@ -29,14 +29,14 @@ class UnknownSlope(CompiledForce):
     moment_x: float = 0.0
     moment_y: float = 0.0
 
-    name: ClassVar[str] = "unknown_slope"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "unknown_slope"
+    parameters = (
         Parameter("grade_x", "-", typical=0.01, lower=-0.2, upper=0.2, is_by_mass=True),
         Parameter("grade_y", "-", typical=0.01, lower=-0.2, upper=0.2, is_by_mass=True),
         Parameter("moment_x", "m", typical=0.003, lower=-0.1, upper=0.1, is_by_mass=True),
         Parameter("moment_y", "m", typical=0.003, lower=-0.1, upper=0.1, is_by_mass=True),
     )
-    signature: ClassVar[str] = "a force and a moment that depend on heading, also at rest"
+    signature = "a force and a moment that depend on heading, also at rest"
 
     @property
     def constants(self) -> tuple[float, ...]:

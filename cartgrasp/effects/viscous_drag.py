@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Parameter
@@ -17,9 +17,9 @@ class ViscousDrag(CompiledForce):
     linear: float = 0.0
     angular: float = 0.0
 
-    name: ClassVar[str] = "viscous_drag"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "viscous_drag"
+    parameters = (
         Parameter("linear", "N·s/m", typical=5.0, lower=0.0),
         Parameter("angular", "N·m·s/rad", typical=2.0, lower=0.0),
     )
-    signature: ClassVar[str] = "forward force in proportion to speed, yaw moment in proportion to yaw rate"
+    signature = "forward force in proportion to speed, yaw moment in proportion to yaw rate"

@@ -10,7 +10,7 @@ turns a cart that rolls forward to the left.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import ClassVar, final
+from typing import final
 
 from .compiled import CompiledForce
 from .effect import Parameter
@@ -24,9 +24,9 @@ class WheelDragImbalance(CompiledForce):
     force: float = 0.0
     moment: float = 0.0
 
-    name: ClassVar[str] = "wheel_drag_imbalance"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
+    name = "wheel_drag_imbalance"
+    parameters = (
         Parameter("force", "N", typical=3.0, lower=0.0),
         Parameter("moment", "N·m", typical=1.0),
     )
-    signature: ClassVar[str] = "a yaw moment, flat in speed, that changes sign with the direction of rolling"
+    signature = "a yaw moment, flat in speed, that changes sign with the direction of rolling"

@@ -6,8 +6,6 @@ it; at first it is taken to be ahead. Carts that list no casters have none.
 
 from __future__ import annotations
 
-from typing import ClassVar
-
 from ..wheels import WheelSet
 from .compiled import CompiledForce
 
@@ -15,7 +13,7 @@ from .compiled import CompiledForce
 class WheelForce(CompiledForce):
     """A force effect with a kernel that acts at each wheel, along its heading or across."""
 
-    drives_memory: ClassVar[bool] = False
+    drives_memory = False
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:

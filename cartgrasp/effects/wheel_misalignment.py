@@ -8,7 +8,7 @@ is off by `1 - cos(angle)`.
 from __future__ import annotations
 
 from dataclasses import dataclass, replace
-from typing import ClassVar, Self, final
+from typing import Self, final
 
 from ..constraints import RollingConstraints
 from .effect import ConstraintEffect, Parameter
@@ -21,11 +21,9 @@ class WheelMisalignment(ConstraintEffect):
 
     angle: float = 0.0
 
-    name: ClassVar[str] = "wheel_misalignment"
-    parameters: ClassVar[tuple[Parameter, ...]] = (
-        Parameter("angle", "rad", typical=0.02, lower=-0.5, upper=0.5, estimated=False),
-    )
-    signature: ClassVar[str] = "a velocity across the cart in proportion to its forward speed"
+    name = "wheel_misalignment"
+    parameters = (Parameter("angle", "rad", typical=0.02, lower=-0.5, upper=0.5, estimated=False),)
+    signature = "a velocity across the cart in proportion to its forward speed"
 
     @classmethod
     def usual(cls, label: str) -> Self:
