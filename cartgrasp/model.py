@@ -21,8 +21,7 @@ from .cart_structure import CartStructure
 from .checks import brief, digits
 from .effects import ForceEffect, InertiaEffect
 from .effects.compiled import CompiledForce, CompiledInertia
-from .effects.effect import SMOOTHING_SPEED, Situation
-from .effects.hand_motion import HAND_AT_REST, HandMotion
+from .effects.effect import HAND_AT_REST, SMOOTHING_SPEED, HandMotion, Situation
 from .frames import Array
 from .inertia import N_PHI
 from .shared_property import SharedProperty

@@ -25,8 +25,8 @@ from dataclasses import dataclass
 from typing import final
 
 from ..wheels import DEFAULT_TRAIL, WheelSet
+from .compiled import WheelForce
 from .effect import Parameter
-from .wheel_force import WheelForce
 
 DEFAULT_SMOOTHING_RATE = 0.2
 """rad/s: usual `smoothing_rate`."""

@@ -63,6 +63,21 @@ class CompiledForce(ForceEffect):
         return _dynamics(self.name, self.constants, situation.wheels, sizes), point
 
 
+class WheelForce(CompiledForce):
+    """What each wheel does, along its heading or across. A caster's heading follows from how its pivot moves
+    (`kernels/casters.py`). It is one memory, whichever effects look at it; at first it is taken to be ahead."""
+
+    drives_memory = False
+
+    @property
+    def memory_numbers(self) -> tuple[float, ...]:
+        return ()
+
+    def memory_names(self, wheels: WheelSet) -> tuple[str, ...]:
+        count = len(wheels.pivots) if wheels.lists_casters else 0
+        return tuple(f"caster{i + 1}.heading" for i in range(count))
+
+
 class CompiledInertia(InertiaEffect):
     """An inertia effect with a kernel under its name."""
 

@@ -12,8 +12,7 @@ from typing import final
 import numpy as np
 
 from ..frames import Array, skew
-from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import HAND_AT_REST, HandMotion
+from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
 
 LEVERS = skew(np.eye(3)[:2])
 """What a metre along x, and along y, makes of a force: moments (2, 3, 3)."""

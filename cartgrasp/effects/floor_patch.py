@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from .compiled import WheelForce
 from .effect import Gate, Parameter
-from .wheel_force import WheelForce
 
 SMOOTHING_LENGTH = 0.005
 """m: a wheel's share inside goes from 12 % to 88 % within twice this."""

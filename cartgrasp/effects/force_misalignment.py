@@ -11,8 +11,7 @@ from typing import final
 import numpy as np
 
 from ..frames import Array
-from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import HAND_AT_REST, HandMotion
+from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
 
 QUARTER_TURN = np.kron(np.eye(2), [[0.0, -1.0, 0.0], [1.0, 0.0, 0.0], [0.0, 0.0, 0.0]])
 Z_PROJECTION = np.diag([0.0, 0.0, 1.0, 0.0, 0.0, 1.0])

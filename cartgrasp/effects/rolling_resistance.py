@@ -1,6 +1,6 @@
 """Rolling resistance: each wheel drags against its own rolling in proportion to its load (physics.md).
 
-A fixed wheel rolls along {b}'s x, a caster that the cart lists along its own heading (`wheel_force.py`): while it
+A fixed wheel rolls along {b}'s x, a caster that the cart lists along its own heading (`WheelForce`): while it
 swings round after a reversal it drags less, and turns the cart. Loads are the static ones (`wheels.py`), so the force
 depends on m, m dx and m dy too.
 
@@ -13,8 +13,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from .compiled import WheelForce
 from .effect import Parameter
-from .wheel_force import WheelForce
 
 
 @final

@@ -12,8 +12,8 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
+from .compiled import WheelForce
 from .effect import Parameter
-from .wheel_force import WheelForce
 
 STRIBECK_SPEED_GRID = (0.03, 0.06, 0.12, 0.25)
 

@@ -12,8 +12,7 @@ from typing import final
 import numpy as np
 
 from ..frames import Array
-from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import HAND_AT_REST, HandMotion
+from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
 
 
 @final

@@ -1,7 +1,7 @@
 """What hangs between a force/torque sensor and the hand's contact weighs, and is accelerated, in what is recorded.
 
 A point mass m at c in {a}, on a hand that holds the cart fast, bears the specific force `s = a + r' z x c - r² c - g`
-(`hand_motion.py`; g points down), so the sensor records the wrench on the cart and beside it `m (s, c x s)`. On a flat
+(`HandMotion`; g points down), so the sensor records the wrench on the cart and beside it `m (s, c x s)`. On a flat
 floor the weight is in fz, tx and ty alone, the planar balances see the inertia.
 
 A fast hold moves the mass as if it were the cart's own, there: who does not know the one or the other can tell the two
@@ -16,8 +16,7 @@ from typing import final
 import numpy as np
 
 from ..frames import Array, skew
-from .effect import Contribution, Parameter, SensorEffect
-from .hand_motion import HAND_AT_REST, HandMotion
+from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
 
 GRAVITY = 9.81
 """m/s²."""

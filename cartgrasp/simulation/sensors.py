@@ -9,7 +9,7 @@ import numpy as np
 
 from ..checks import check_kind, number
 from ..contacts import ContactWrenches
-from ..effects.hand_motion import HAND_AT_REST, HandMotion
+from ..effects.effect import HAND_AT_REST, HandMotion
 from ..frames import Array, body_to_world
 from ..model import CartModel
 from ..motion import Measurement, Motion

@@ -15,7 +15,7 @@ import numpy as np
 
 from cartgrasp.checks import MAX_DISTANCE
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects.hand_motion import HAND_AT_REST, HandMotion
+from cartgrasp.effects.effect import HAND_AT_REST, HandMotion
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel

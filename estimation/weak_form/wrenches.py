@@ -15,7 +15,7 @@ import numpy as np
 from scipy.interpolate import CubicHermiteSpline
 
 from cartgrasp.contacts import grasp_map_planar
-from cartgrasp.effects.hand_motion import HAND_AT_REST
+from cartgrasp.effects.effect import HAND_AT_REST
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel

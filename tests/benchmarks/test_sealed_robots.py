@@ -12,7 +12,7 @@ from benchmarks.sealed.robots import hanging
 from benchmarks.sealed.weaker import weaker
 from benchmarks.sealed.world import R, U, W
 from cartgrasp.effects import KNOWN_EFFECTS, PoseOffset
-from cartgrasp.effects.hand_motion import HandMotion
+from cartgrasp.effects.effect import HandMotion
 from cartgrasp.logs import RunLog
 from cartgrasp.logs.body_poses import at_body
 

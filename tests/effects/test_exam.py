@@ -16,7 +16,7 @@ from scipy.optimize import lsq_linear
 from cartgrasp.cart_file import cart_from_text, cart_text
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import LearnedForce, SensorEffect
-from cartgrasp.effects.hand_motion import HandMotion
+from cartgrasp.effects.effect import HandMotion
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel

@@ -10,7 +10,7 @@ from hypothesis import given
 
 from cartgrasp.contacts import ContactWrenches, grasp_map_planar
 from cartgrasp.effects import ToolInertia, ViscousDrag
-from cartgrasp.effects.hand_motion import HandMotion
+from cartgrasp.effects.effect import HandMotion
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
