@@ -15,8 +15,7 @@ import numpy as np
 
 from estimation import FilterNoise, Prior
 from planning import Choosing
-from planning.contact_sources.fixed import FixedContacts
-from planning.contact_sources.periodic import PeriodicContacts
+from planning.contact_sources.by_time import FixedContacts, PeriodicContacts
 from planning.excitation.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
 from planning.excitation.excitation_plan import ExcitationPlan, plan_excitation
 from planning.references import PathReference, chain, pause, speed_change, turn

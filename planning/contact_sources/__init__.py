@@ -1,1 +1,1 @@
-"""Where the arms are to hold during a run: one file a way to choose, all behind `cartgrasp.roles.ContactSource`."""
+"""Where the arms are to hold during a run: the ways to choose, all behind `cartgrasp.roles.ContactSource`."""

@@ -9,10 +9,9 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import check_known
 
 from ..planner import WrenchPlanner
+from .by_time import FixedContacts, PeriodicContacts
 from .choosing import Choosing
-from .fixed import FixedContacts
 from .least_effort import LeastEffortContacts
-from .periodic import PeriodicContacts
 from .scheduled import ScheduledContacts
 from .strategies import LEAST_EFFORT, PERIODIC, SCHEDULE, STRATEGIES, TEACH
 from .teaching import TeachingContacts

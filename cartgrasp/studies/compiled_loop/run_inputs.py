@@ -6,8 +6,7 @@ from functools import lru_cache
 
 import numpy as np
 
-from planning.contact_sources.fixed import FixedContacts
-from planning.contact_sources.periodic import PeriodicContacts
+from planning.contact_sources.by_time import FixedContacts, PeriodicContacts
 from planning.contact_sources.strategies import PERIODIC
 from planning.references import PathReference, Stretch
 

@@ -1,4 +1,4 @@
-"""Contacts that go round."""
+"""Contacts that don't depend on what is felt: those that stay, and those that go round."""
 
 from __future__ import annotations
 
@@ -10,6 +10,17 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.roles import ContactChoice, ContactQuery
+
+
+@final
+class FixedContacts:
+    """Every arm keeps its first candidate."""
+
+    def __init__(self, arms: Sequence[Arm]) -> None:
+        self._choice = ContactChoice({arm.name: arm.contacts.first for arm in arms}, "fixed")
+
+    def contacts(self, query: ContactQuery) -> ContactChoice:
+        return self._choice
 
 
 @final
