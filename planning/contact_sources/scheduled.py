@@ -13,8 +13,7 @@ from cartgrasp.arms import Arm
 from cartgrasp.roles import ContactChoice, ContactQuery
 
 from ..quadratic_program import OPTIMAL
-from ..schedule.regrasps import Grip, Horizon, RegraspCost, Schedule
-from ..schedule.schedule import plan_schedule
+from ..schedule.schedule import Grip, Horizon, RegraspCost, Schedule, plan_schedule
 from ..schedule.stage_efforts import candidate_points
 from .choosing import Choosing
 from .lookahead import SAME_CHOICE_DISTANCE

@@ -13,7 +13,7 @@ finds the least; run again over certified lower bounds of every QP, it gives a b
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, field
 from typing import TYPE_CHECKING
 
 import numpy as np
@@ -25,17 +25,92 @@ from cartgrasp.frames import Array
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
 from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
 from .regrasp_graph import Indices, RegraspGraph
-from .regrasps import BlockedStage, Grip, Horizon, Regrasp, RegraspCost, Schedule
 from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts, why_not
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
     from cartgrasp.roles import ReferencePath
 
-__all__ = ["BlockedStage", "Grip", "Horizon", "Regrasp", "RegraspCost", "Schedule", "plan_schedule", "wanted_wrench"]
-
 EQUAL_COST_RATIO = 1e-12
 """Relative difference of totals that counts as none."""
+
+
+@dataclass(frozen=True)
+class RegraspCost:
+    """For `duration` (s, rounded up to whole stages) the arm gives no wrench; `effort` (N²·s) is added once."""
+
+    duration: float = 0.5
+    effort: float = 0.0
+
+    def __post_init__(self) -> None:
+        if not (np.isfinite([self.duration, self.effort]).all() and min(self.duration, self.effort) >= 0):
+            raise UsageError(f"regrasp: {self} must have a finite duration and effort >= 0")
+
+
+@dataclass(frozen=True, eq=False)
+class Grip:
+    """The contact (3,) in {b} that an arm holds, or from the time `ready` (s) on will hold."""
+
+    contact: Array
+    ready: float = -np.inf
+
+
+@dataclass(frozen=True)
+class Horizon:
+    """From `now` (s) for `length` (s), but at most to the reference's end, in stages of at most `stage` (s). `held` are
+    the grips that one starts from, by arm; without it the first grips are chosen, free of charge."""
+
+    now: float = 0.0
+    stage: float = 0.25
+    held: Mapping[str, Grip] | None = None
+    min_hand_distance: float = 0.0
+    length: float = np.inf
+
+
+@dataclass(frozen=True, eq=False)
+class Regrasp:
+    """An arm leaves `origin` (3,) at `start` and holds `target` (3,) from `stop` on, s."""
+
+    arm: str
+    start: float
+    stop: float
+    origin: Array
+    target: Array
+
+
+@dataclass(frozen=True)
+class BlockedStage:
+    """A stage that can't be done, and why."""
+
+    start: float
+    stop: float
+    words: str
+
+
+@dataclass(frozen=True, eq=False)
+class Schedule:
+    """K stages between `times` (K + 1,), with the effort (N²) of each; by arm, contacts (K, 3) in {b} held or gone to,
+    and whether the arm `holds` (K,). No schedule costs less than `bound` (N²·s); `solved` counts QPs. When
+    `infeasible`, `blocked` names the stages and there are no contacts."""
+
+    status: str
+    times: Array
+    contacts: Mapping[str, Array] = field(default_factory=dict)
+    holds: Mapping[str, Array] = field(default_factory=dict)
+    efforts: Array = field(default_factory=lambda: np.zeros(0))
+    regrasps: tuple[Regrasp, ...] = ()
+    total: float = np.inf
+    bound: float = np.inf
+    solved: int = 0
+    blocked: tuple[BlockedStage, ...] = ()
+
+    def grips(self, time: float) -> dict[str, Grip]:
+        """What each arm holds or goes to at a time: where to start the next schedule from."""
+        k = int(np.clip(np.searchsorted(self.times, time + 1e-9, side="right") - 1, 0, len(self.times) - 2))
+        ready = {r.arm: r.stop for r in self.regrasps if r.start <= time + 1e-9 < r.stop}
+        return {arm: Grip(points[k], ready.get(arm, -np.inf)) for arm, points in self.contacts.items()}
+
+
 DEFAULT_COST, WHOLE_REFERENCE = RegraspCost(), Horizon()
 
 
@@ -116,7 +191,7 @@ class _Problem:
         graph, points = self.graph, self.points
         if horizon.held is None:
             states = graph.at_rest
-            grips = np.array([graph.grips(int(state)) for state in states])
+            grips = graph.grips(states)
             contacts = np.stack([p[grips[:, i]] for i, p in enumerate(points.values())], axis=1)
             return states[hand_distance(contacts) >= horizon.min_hand_distance - DISTANCE_TOLERANCE]
         if set(horizon.held) != set(points):
@@ -136,11 +211,12 @@ class _Problem:
 
     def contacts(self, path: Sequence[int]) -> dict[str, Array]:
         """By arm, what is held or gone to in each stage, (K, 3)."""
-        after = self._grips(self.graph.options.after[path])
+        after = self.graph.grips(self.graph.options.after[path])
         return {name: candidates[after[:, i]] for i, (name, candidates) in enumerate(self.points.items())}
 
     def regrasps(self, path: Sequence[int]) -> tuple[Regrasp, ...]:
-        before, after = (self._grips(part[path]) for part in (self.graph.options.before, self.graph.options.after))
+        options = self.graph.options
+        before, after = (self.graph.grips(part[path]) for part in (options.before, options.after))
         found = []
         for i, (name, candidates) in enumerate(self.points.items()):
             for k in np.flatnonzero(after[:, i] != before[:, i]).tolist():
@@ -163,9 +239,6 @@ class _Problem:
             )
         edges = self.times.tolist()
         return tuple(BlockedStage(edges[k], edges[k + 1], found[k]) for k in sorted(found))
-
-    def _grips(self, states: Indices) -> Indices:
-        return np.array([self.graph.grips(int(state)) for state in states])
 
 
 def _stage_times(reference: ReferencePath, horizon: Horizon) -> Array:
