@@ -10,10 +10,9 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import reduce
 
 import numpy as np
-from numpy.typing import NDArray
+from numpy.typing import ArrayLike, NDArray
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
@@ -49,32 +48,36 @@ class RegraspGraph:
         size = np.prod([len(options.before) for options in each], dtype=float)
         if size > MAX_JOINT_OPTIONS:
             raise UsageError(f"schedule: {size:.0f} joint options a stage are too many; fewer contacts, longer stages")
-        sizes = [(count * max(1, stages), count + 1) for count in counts]
-        joint, _ = reduce(_product, zip(each[1:], sizes[1:], strict=True), (each[0], sizes[0]))
+        states, grips = [count * max(1, stages) for count in counts], [count + 1 for count in counts]
+        ways = np.indices([len(options.before) for options in each]).reshape(len(each), -1)
+        pairs = list(zip(each, ways, strict=True))
+        joint = Options(
+            before=np.ravel_multi_index([own.before[way] for own, way in pairs], states),
+            after=np.ravel_multi_index([own.after[way] for own, way in pairs], states),
+            choice=np.ravel_multi_index([own.choice[way] for own, way in pairs], grips),
+            regrasps=np.sum([own.regrasps[way] for own, way in pairs], axis=0),
+        )
         order = np.argsort(joint.before, kind="stable")
         return cls(tuple(counts), stages, Options(*(part[order] for part in vars(joint).values())))
 
-    def state(self, grips: Sequence[int], waits: Sequence[int]) -> int:
-        """The joint state of arms that hold, or reach in so many stages, these candidates."""
-        levels = max(1, self.stages)
-        index = 0
-        for count, grip, wait in zip(self.counts, grips, waits, strict=True):
-            index = index * count * levels + grip * levels + wait
-        return index
+    def state(self, grips: ArrayLike, waits: ArrayLike = 0) -> Indices:
+        """The joint states (...) of arms that hold, or reach in so many stages, these candidates (..., n)."""
+        own = np.asarray(grips) * max(1, self.stages) + np.asarray(waits)
+        return np.asarray(np.ravel_multi_index(tuple(np.moveaxis(own, -1, 0)), self._sizes))
 
-    def grips(self, state: int) -> list[int]:
-        """Per arm, the candidate that is held or gone to."""
-        levels, found = max(1, self.stages), []
-        for count in reversed(self.counts):
-            state, own = divmod(state, count * levels)
-            found.append(own // levels)
-        return found[::-1]
+    def grips(self, states: ArrayLike) -> Indices:
+        """Per arm, the candidates (..., n) that are held or gone to in states (...)."""
+        return np.stack(np.unravel_index(np.asarray(states), self._sizes), axis=-1) // max(1, self.stages)
+
+    @property
+    def _sizes(self) -> tuple[int, ...]:
+        """How many states each arm has."""
+        return tuple(count * max(1, self.stages) for count in self.counts)
 
     @property
     def at_rest(self) -> Indices:
         """The states in which every arm holds."""
-        choices = np.array(np.unravel_index(np.arange(np.prod(self.counts)), self.counts)).T
-        return np.array([self.state(grips, [0] * len(grips)) for grips in choices])
+        return self.state(np.stack(np.unravel_index(np.arange(np.prod(self.counts)), self.counts), axis=-1))
 
     def costs_to_go(self, costs: Array, regrasp: float) -> Array:
         """V, (stages + 1, states), for the cost of each stage and choice of grips, and of each regrasp."""
@@ -129,19 +132,3 @@ def _options(count: int, stages: int) -> Options:
                 rows.append((grip * levels, other * levels + levels - 1, NO_CONTACT if stages else other, 1))
     before, after, held, regrasps = np.array(rows).T
     return Options(before, after, held - NO_CONTACT, regrasps)
-
-
-Sized = tuple[Options, tuple[int, int]]
-"""Options with how many states and how many grips (being away is one) there are."""
-
-
-def _product(one: Sized, other: Sized) -> Sized:
-    """The joint options of two groups of arms: every pair of one's and the other's."""
-    (a, (n_states, n_grips)), (b, (m_states, m_grips)) = one, other
-    joint = Options(
-        before=np.add.outer(a.before * m_states, b.before).ravel(),
-        after=np.add.outer(a.after * m_states, b.after).ravel(),
-        choice=np.add.outer(a.choice * m_grips, b.choice).ravel(),
-        regrasps=np.add.outer(a.regrasps, b.regrasps).ravel(),
-    )
-    return joint, (n_states * m_states, n_grips * m_grips)
