@@ -29,16 +29,14 @@ from ..planner import MAX_PERIOD, WrenchPlanner
 from ..quadratic_program import OPTIMAL
 from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
-from .braking import braking_wrench
 from .caution import IDLE, MAX_STEP_GAP, NO_ARM, OK, Caution, Pace, behind_of
 from .command_tracking import CommandTracking, probed
 from .controller_checks import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
 from .default_filter import default_filter
 from .hand import RegraspTimes
-from .protective_stop import DRIVING, Stage
-from .regrasps import Given, Regrasps
+from .protective_stop import DRIVING, Stage, braking_wrench
+from .regrasps import Ahead, Given, Regrasps
 from .rejection import Rejection
-from .release import Ahead
 from .saved_state import Saved, as_first_guess, read_saved
 from .step import Step
 
@@ -182,7 +180,7 @@ class Controller:
     def warm_up(self) -> None:
         """Does now what would cost at the first ticks, of all parts that have something to do."""
         for part in (self._planner, self._estimator, self._regrasps, self._source):
-            getattr(part, "warm_up", _nothing)()
+            getattr(part, "warm_up", lambda: None)()
         self.reference.at(0.0)  # which works out its pieces
         freeze_live_objects()
 
@@ -377,7 +375,3 @@ class Controller:
         if health not in SENSES_LOST_HEALTHS:
             regrasps.send(chosen.contacts, ahead)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)
-
-
-def _nothing() -> None:
-    pass

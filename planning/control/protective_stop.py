@@ -17,11 +17,14 @@ import numpy as np
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Estimate, Reference
+from cartgrasp.motion import Estimate, Motion, Reference
 from cartgrasp.rigid_body import mass_matrix_b
 
 from ..steering import Triple, error_b
+from ..tracking import wrench_as_it_moves
 
+BRAKING_TIME_CONSTANT = 0.5
+"""s: the time constant; after four of these, 2 s, 2 % of the velocity is left."""
 MONITORING_INTERVAL, MONITORED_SPEED = 0.2, 0.5
 """s in which braking has to have taken energy; and m/s of a cart that is quick enough for a slope not to do more."""
 HOLDING_SPEED, MAX_HOLD = 0.3, 0.3
@@ -85,6 +88,18 @@ class ProtectiveStop:
 
 
 DRIVING = ProtectiveStop()
+
+
+def braking_wrench(
+    model: CartModel, motion: Motion, time: float, share: float = 1.0, crept: Array | None = None
+) -> Array:
+    """The planar wrench (3,) in {b} under which velocities fade as they are, so that the cart stays on its curve:
+    `nu' = -share nu / T` with T = `BRAKING_TIME_CONSTANT`. What it has `crept` (k,), m and rad, is held against by
+    `crept / T²` more."""
+    acceleration = -motion.velocity / BRAKING_TIME_CONSTANT
+    if crept is not None:
+        acceleration = acceleration - crept / BRAKING_TIME_CONSTANT**2
+    return wrench_as_it_moves(model, motion, share * acceleration, time)
 
 
 def _why_astray(error: Triple, most: float) -> str:

@@ -17,20 +17,27 @@ import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactWrenches
-from cartgrasp.frames import Array
-from cartgrasp.motion import Estimate
+from cartgrasp.frames import Array, wrap_angle
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Motion
 from cartgrasp.roles import Plan as AnyPlan
+from cartgrasp.roles import ReferencePath
+from cartgrasp.simulation.integrate import held
 
 from ..limits import WrenchRate
 from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
+from ..quadratic_program import OPTIMAL
+from ..schedule.schedule import wanted_wrench
 from ..tick.stopping import Stop
 from ..tick.terms import why_no_posture
 from .command_tracking import probing
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
-from .release import Ahead, why_cart_cannot_coast, why_others_cannot
 
 RETRY_INTERVAL = 0.2  # s until a hand that may not let go is asked again
+LOOKAHEAD_PLANS = 6
+"""Times within a regrasp at which the others' plans are made ahead."""
+COAST_STEP = 0.01  # s
 NO_OTHER_HAND = "no other hand holds: the cart coasts"
 Doing = tuple[str, Phase, bool] | None
 """The arm that gives less than it is planned to, what its hand does, and whether it is idle."""
@@ -41,6 +48,20 @@ class Given(NamedTuple):
 
     wrenches: ContactWrenches
     plan: AnyPlan
+
+
+class Ahead(NamedTuple):
+    """What is known of the time to come: the reference, the cart as it is believed to be and to move at `time` (s), and
+    the wrench (3,) in {b} that it is to feel now; `estimate`, and what would `stop` it, are for planners with limits of
+    the cart."""
+
+    reference: ReferencePath
+    cart: CartModel
+    motion: Motion
+    time: float
+    wrench_b: Array
+    estimate: Estimate | None = None
+    stop: Stop | None = None
 
 
 # Many methods: what passes between two ticks, who may leave, and what each arm is told meanwhile.
@@ -182,6 +203,28 @@ class Regrasps:
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
             lasting = self._times.lasting(distance)
-            return why_others_cannot(self._in_time[name], self._beside(name), ahead, lasting)
+            return _why_others_cannot(self._in_time[name], self._beside(name), ahead, lasting)
         lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
-        return why_cart_cannot_coast(ahead, lasting, self._drift)
+        return _why_cart_cannot_coast(ahead, lasting, self._drift)
+
+
+def _why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:
+    """In words, what of the next `lasting` s is too much for the arms of `planner` at `contacts`; empty if nothing."""
+    times = ahead.time + np.linspace(0.0, lasting, LOOKAHEAD_PLANS)
+    wrenches = [ahead.wrench_b, *(wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())]
+    for wrench in wrenches:
+        if planner.plan_or_hold(wrench, contacts, ahead.estimate, stop=ahead.stop).status != OPTIMAL:
+            force, moment = float(np.hypot(*wrench[:2])), float(wrench[2])
+            return f"the others can't bear {force:.0f} N with {moment:.1f} N·m"
+    return ""
+
+
+def _why_cart_cannot_coast(ahead: Ahead, lasting: float, drift: float) -> str:
+    """In words, by how much a cart that nobody holds for `lasting` s leaves its path beyond `drift` (m; rad as at 1 m);
+    empty if it does not."""
+    steps = max(1, round(lasting / COAST_STEP))
+    state = ahead.cart.state(ahead.motion.pose_sb, ahead.motion.velocity)
+    there = held(ahead.cart, state, np.zeros(3), ahead.time, (lasting / steps, steps))[:3]
+    wanted = ahead.reference.at(ahead.time + lasting).pose_sb
+    off = max(float(np.hypot(*(there - wanted)[:2])), abs(float(wrap_angle(there[2] - wanted[2]))))
+    return "" if off <= drift else f"the cart would coast {off:.2f} m off its path in {lasting:.1f} s"
