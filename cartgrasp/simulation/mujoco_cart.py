@@ -1,5 +1,5 @@
 """A cart as MuJoCo sees it: chassis, fixed wheels, casters with forks, effects as MuJoCo's own mechanisms; laws, which
-name no mechanism, push from outside (`effect_forces.py`).
+name no mechanism, push from outside (`mujoco_plant.py`).
 
 The chassis frame is {b}. Each wheel is a sphere that touches the floor in one point, so that it doesn't
 scrub when it turns on the spot; a caster's fork swivels at its pivot and the wheel trails it. Wheels and
@@ -15,7 +15,7 @@ creep of 1 ms times `u r`, half of it real: 0.5 mm/s at 1 m/s and 0.5 rad/s.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -61,52 +61,40 @@ class Mechanisms:
     outer: tuple[ForceEffect, ...] = ()
 
 
-def _viscous_drag(has: Mechanisms, effect: ViscousDrag) -> Mechanisms:
-    linear, angular = has.linear_damping + effect.linear, has.angular_damping + effect.angular
-    return replace(has, linear_damping=linear, angular_damping=angular)
-
-
-def _rolling_resistance(has: Mechanisms, effect: RollingResistance) -> Mechanisms:
-    return replace(has, rolling_coefficient=has.rolling_coefficient + effect.coefficient)
-
-
-def _caster_realignment(has: Mechanisms, effect: CasterRealignment) -> Mechanisms:
-    if (has.swivel_torque or has.scrub_torque) and (has.trail, has.casters_x) != (effect.trail, effect.x):
-        raise PlantError(f"MuJoCo plant: {effect.key}: casters have two trails or places; give each effect the same")
-    swivel, scrub = has.swivel_torque + effect.swivel_torque, has.scrub_torque + effect.scrub_torque
-    return replace(has, swivel_torque=swivel, scrub_torque=scrub, trail=effect.trail, casters_x=effect.x)
-
-
-def _payload_change(has: Mechanisms, effect: PayloadChange) -> Mechanisms:
-    return replace(has, load_times=tuple(sorted({*has.load_times, effect.time})))
-
-
-def _learned_force(has: Mechanisms, effect: LearnedForce) -> Mechanisms:
-    return replace(has, outer=(*has.outer, effect))
-
-
-MECHANISMS: dict[type[Effect], Callable[[Mechanisms, Any], Mechanisms]] = {
-    ViscousDrag: _viscous_drag,
-    RollingResistance: _rolling_resistance,
-    CasterRealignment: _caster_realignment,
-    PayloadChange: _payload_change,
-    LearnedForce: _learned_force,
-}
+MECHANICAL_EFFECTS = (ViscousDrag, RollingResistance, CasterRealignment, PayloadChange, LearnedForce)
 
 
 def mechanisms_of(cart: CartModel) -> Mechanisms:
     """The cart's effects as mechanisms; sensors have none, and what has no counterpart is refused by name."""
     found = Mechanisms()
     for effect in cart.effects:
-        if isinstance(effect, SensorEffect):
-            continue
-        if type(effect) not in MECHANISMS:
-            known = ", ".join(kind.name for kind in MECHANISMS)
-            raise PlantError(f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors")
-        found = MECHANISMS[type(effect)](found, effect)
+        found = _with_effect(found, effect)
     if cart.constraints.n_rows == 2 and (found.swivel_torque or found.scrub_torque):
         raise PlantError("MuJoCo plant: caster_realignment: a cart on a rail has no casters here")
     return found
+
+
+def _with_effect(has: Mechanisms, effect: Effect) -> Mechanisms:
+    match effect:
+        case SensorEffect():
+            return has
+        case ViscousDrag():
+            linear, angular = has.linear_damping + effect.linear, has.angular_damping + effect.angular
+            return replace(has, linear_damping=linear, angular_damping=angular)
+        case RollingResistance():
+            return replace(has, rolling_coefficient=has.rolling_coefficient + effect.coefficient)
+        case CasterRealignment():
+            if (has.swivel_torque or has.scrub_torque) and (has.trail, has.casters_x) != (effect.trail, effect.x):
+                why = "casters have two trails or places; give each effect the same"
+                raise PlantError(f"MuJoCo plant: {effect.key}: {why}")
+            swivel, scrub = has.swivel_torque + effect.swivel_torque, has.scrub_torque + effect.scrub_torque
+            return replace(has, swivel_torque=swivel, scrub_torque=scrub, trail=effect.trail, casters_x=effect.x)
+        case PayloadChange():
+            return replace(has, load_times=tuple(sorted({*has.load_times, effect.time})))
+        case LearnedForce():
+            return replace(has, outer=(*has.outer, effect))
+    known = ", ".join(kind.name for kind in MECHANICAL_EFFECTS)
+    raise PlantError(f"MuJoCo plant: {effect.key}: no counterpart in MuJoCo; it knows {known} and sensors")
 
 
 def physical_wheels(cart: CartModel, mechanisms: Mechanisms) -> tuple[Wheel, ...]:

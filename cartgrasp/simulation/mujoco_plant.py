@@ -10,6 +10,7 @@ from __future__ import annotations
 
 from collections.abc import Iterator
 from contextlib import contextmanager
+from dataclasses import replace
 from functools import lru_cache
 from math import acos, atan2, ceil
 
@@ -18,13 +19,14 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ..checks import MAX_NUMBER, check_kind, pose, positive
+from ..constraints import RollingConstraints
 from ..contacts import ContactWrenches, grasp_map_spatial
+from ..effects import ForceEffect
 from ..errors import PlantError
 from ..frames import PLANAR, Array, rotation_planar, wrap_angle
 from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
-from .effect_forces import EffectForces
 from .mujoco_cart import WHEEL_RADIUS, MujocoCart, check_stands
 from .plant import brief_plant
 
@@ -241,6 +243,25 @@ class MujocoPlant:
             at_x, at_y = u - wheel.y * r, w + wheel.x * r
             rates[self._model.joint(f"roll{i}").dofadr[0]] = (c * at_x + s * at_y) / WHEEL_RADIUS
             rates[self._model.joint(f"swivel{i}").dofadr[0]] = (c * at_y - s * at_x) / wheel.trail - r
+
+
+class EffectForces:
+    """The wrench of effects that have no mechanism in MuJoCo; their memory goes along. A motion is given with the full
+    velocity (u, w, r) in {b}."""
+
+    def __init__(self, cart: CartModel, effects: tuple[ForceEffect, ...], motion: Motion, time: float) -> None:
+        self._cart = replace(cart, constraints=RollingConstraints(None), effects=effects)
+        first = self._cart.state(motion.pose_sb, motion.velocity)
+        self._time, self._motion, self._memory = time, motion, first[self._cart.memory_slice]
+
+    def wrench_b(self, motion: Motion, time: float) -> Array:
+        """The wrench (3,) now."""
+        pose, velocity = (np.array([getattr(m, of) for m in (self._motion, motion)]) for of in ("pose_sb", "velocity"))
+        times = np.array([self._time, time])
+        self._memory = self._cart.memory_along(pose, velocity, times, first=self._memory)[-1]
+        self._time, self._motion = time, motion
+        state = np.concatenate([motion.pose_sb, motion.velocity, self._memory])
+        return self._cart.effect_wrench(state, time=time)
 
 
 @contextmanager
