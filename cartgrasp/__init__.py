@@ -13,7 +13,7 @@ if TYPE_CHECKING:
     from .contacts import ContactSet, ContactWrenches, Segment, grasp_map_planar, grasp_map_spatial
     from .effects import KNOWN_EFFECTS
     from .errors import CartgraspError, DataError, FileError, LogError, UsageError
-    from .friction import Friction
+    from .friction import Friction, SoftFinger
     from .inertia import Inertia
     from .information import WrenchNoise
     from .joint_torques import JointTorques
@@ -21,7 +21,6 @@ if TYPE_CHECKING:
     from .model import CartModel
     from .motion import Estimate, Measurement, Motion, ParameterEstimate, Reference
     from .reach import Reach
-    from .soft_finger import SoftFinger
     from .wheels import Wheel
 
 __version__ = "0.1.0"
@@ -67,7 +66,7 @@ _HOMES = {
     "contacts": "ContactSet ContactWrenches Segment grasp_map_planar grasp_map_spatial",
     "effects": "KNOWN_EFFECTS",
     "errors": "CartgraspError DataError FileError LogError UsageError",
-    "friction": "Friction",
+    "friction": "Friction SoftFinger",
     "inertia": "Inertia",
     "information": "WrenchNoise",
     "joint_torques": "JointTorques",
@@ -75,7 +74,6 @@ _HOMES = {
     "model": "CartModel",
     "motion": "Estimate Measurement Motion ParameterEstimate Reference",
     "reach": "Reach",
-    "soft_finger": "SoftFinger",
     "wheels": "Wheel",
 }
 

@@ -14,11 +14,10 @@ from .checks import MAX_NUMBER, angle, brief, check_kind, digits, listed, number
 from .contacts import WRENCH_NAMES, ContactSet, Segment, points_of
 from .errors import UsageError
 from .frames import Array
-from .friction import Friction
+from .friction import Friction, SoftFinger
 from .joint_torques import JointTorques, PostureSource
 from .reach import Reach
 from .shallow_copy import shallow_copy
-from .soft_finger import SoftFinger
 
 FORCES, MOMENTS, WRENCH = (f"({', '.join(WRENCH_NAMES[part])})" for part in (slice(3), slice(3, 6), slice(6)))
 

@@ -18,8 +18,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.friction import EXACT
-from cartgrasp.soft_finger import NORMALS
+from cartgrasp.friction import EXACT, NORMALS
 from planning.quadratic_program import Cone
 
 from .limit import Limit, LimitRows

@@ -10,10 +10,9 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet, Segment
 from cartgrasp.errors import CartgraspError, UsageError
-from cartgrasp.friction import EXACT, Friction
+from cartgrasp.friction import EXACT, Friction, SoftFinger
 from cartgrasp.joint_torques import JointTorques, PostureSource
 from cartgrasp.reach import Reach
-from cartgrasp.soft_finger import SoftFinger
 
 from .problem_objective import Refuse
 from .problem_schema import ArmEntry, FrictionEntry, JointsEntry, ReachEntry, SoftFingerEntry, UrdfEntry

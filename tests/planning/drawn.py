@@ -11,10 +11,10 @@ from scipy.spatial import ConvexHull
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import grasp_map_planar
+from cartgrasp.friction import SoftFinger
 from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
-from cartgrasp.soft_finger import SoftFinger
 
 FORCE, MOMENT = (60.0, 60.0, 40.0), (8.0, 8.0, 6.0)
 

@@ -8,8 +8,8 @@ import pytest
 
 from cartgrasp.arms import Friction
 from cartgrasp.errors import UsageError
+from cartgrasp.friction import SoftFinger
 from cartgrasp.joint_torques import JointTorques
-from cartgrasp.soft_finger import SoftFinger
 from planning import allocate, limits
 from planning.limits import (
     FrictionCone,

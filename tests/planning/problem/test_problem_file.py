@@ -10,7 +10,7 @@ import pytest
 from cartgrasp.arms import Friction
 from cartgrasp.contacts import Segment
 from cartgrasp.errors import FileError
-from cartgrasp.soft_finger import SoftFinger
+from cartgrasp.friction import SoftFinger
 from planning import InternalForce, SideForce, Skid, TipOver, WrenchPlanner
 from planning.problem.problem_file import read_problem
 
