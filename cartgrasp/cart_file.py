@@ -22,15 +22,7 @@ from .inertia import Inertia
 from .model import CartModel
 from .wheels import Wheel
 from .writing import write_atomically
-from .yaml_file import (
-    StrictModel,
-    dump_yaml,
-    file_error,
-    parse_yaml,
-    plain,
-    read_yaml,
-    validate,
-)
+from .yaml_file import StrictModel, dump_yaml, file_error, parse_yaml, plain, read_yaml, validate
 
 Location = Sequence[str | int]
 

@@ -102,13 +102,7 @@ class CartModel(CartStructure):
 
     # --- motion ----------------------------------------------------------------------------------------------
 
-    def rate(
-        self,
-        state: Array,
-        wrench_b: Array,
-        parameters: Array | None = None,
-        time: Any = 0.0,
-    ) -> StateRate:
+    def rate(self, state: Array, wrench_b: Array, parameters: Array | None = None, time: Any = 0.0) -> StateRate:
         """Forward dynamics with analytic partials."""
         point, push = self._point(state, parameters, time), np.asarray(wrench_b)
         rates = self.dynamics.rates(point, push, self._foreign(point))

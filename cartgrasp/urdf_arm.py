@@ -111,11 +111,7 @@ class UrdfArm:
 
 
 def read_urdf_arm(
-    path: str | Path,
-    tool: str,
-    *,
-    torque_limit: Sequence[float] | None = None,
-    added_masses: Sequence[LinkMass] = (),
+    path: str | Path, tool: str, *, torque_limit: Sequence[float] | None = None, added_masses: Sequence[LinkMass] = ()
 ) -> UrdfArm:
     """The arm whose tool is the link `tool`, with its root in {b}'s origin. `torque_limit` (n,), N·m, replaces the
     URDF's efforts, and is needed where these are 0."""

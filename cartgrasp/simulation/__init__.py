@@ -13,16 +13,7 @@ if TYPE_CHECKING:
     from .record import RunRecord, Series
     from .sensors import SensorNoise, Sensors
 
-__all__ = [
-    "Loop",
-    "ModelPlant",
-    "MujocoPlant",
-    "RunRecord",
-    "SensorNoise",
-    "Sensors",
-    "Series",
-    "run",
-]
+__all__ = ["Loop", "ModelPlant", "MujocoPlant", "RunRecord", "SensorNoise", "Sensors", "Series", "run"]
 
 _HOMES = {
     "closed_loop": "Loop run",

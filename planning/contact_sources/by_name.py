@@ -24,12 +24,7 @@ if TYPE_CHECKING:
 
 
 def contact_source(
-    way: str,
-    cart: CartModel,
-    arms: Sequence[Arm],
-    reference: ReferencePath,
-    choosing: Choosing,
-    regrasp: RegraspTimes,
+    way: str, cart: CartModel, arms: Sequence[Arm], reference: ReferencePath, choosing: Choosing, regrasp: RegraspTimes
 ) -> ContactSource:
     """The source called `way`, for a cart that is first believed to be `cart`. Contacts are judged over seconds, so
     rates of the arms don't count."""

@@ -34,12 +34,7 @@ class ScheduledContacts:
     cart as then estimated."""
 
     def __init__(
-        self,
-        cart: CartModel,
-        arms: Sequence[Arm],
-        reference: ReferencePath,
-        choosing: Choosing,
-        regrasp: RegraspTimes,
+        self, cart: CartModel, arms: Sequence[Arm], reference: ReferencePath, choosing: Choosing, regrasp: RegraspTimes
     ) -> None:
         self._cart, self._arms, self._reference, self._choosing = cart, list(arms), reference, choosing
         self._points = candidate_points(arms)

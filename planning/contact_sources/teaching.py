@@ -43,12 +43,7 @@ class TeachingContacts:
     """Chooses among the arms' points; segments are refused. `choosing` says what is asked for, and at which cost."""
 
     def __init__(
-        self,
-        cart: CartModel,
-        arms: Sequence[Arm],
-        reference: ReferencePath,
-        choosing: Choosing,
-        regrasp: RegraspTimes,
+        self, cart: CartModel, arms: Sequence[Arm], reference: ReferencePath, choosing: Choosing, regrasp: RegraspTimes
     ) -> None:
         self._family = ContactFamily.of(cart, arms, choosing.noise, choosing.min_hand_distance)
         self._reference, self._choosing, self._cart, self._times = reference, choosing, cart, regrasp

@@ -97,11 +97,7 @@ class ContactSearch:
     """One search over candidates; `run` once."""
 
     def __init__(
-        self,
-        candidates: Candidates,
-        solver: CaseSolver,
-        question: Question,
-        limit: SearchLimit = SearchLimit(),
+        self, candidates: Candidates, solver: CaseSolver, question: Question, limit: SearchLimit = SearchLimit()
     ) -> None:
         self._candidates, self._solver, self._question, self._limit = candidates, solver, question, limit
         scale = max(1.0, float(np.abs(question.target).max()))
