@@ -101,7 +101,12 @@ def cart_from_document(
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
     known = KNOWN_EFFECTS | {kind.name: kind for kind in own}
     constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, known, refuse)
-    _check_effects(effects, constraints, refuse)
+    for effect in effects:
+        if isinstance(effect, ConstraintEffect):
+            try:
+                effect.check(constraints)
+            except CartgraspError as error:
+                raise refuse(["effects", effect.name], str(error)) from error
     swung = sum(effect.mass for effect in effects if isinstance(effect, LoadSlosh))
     if swung >= entry.mass:
         why = f"{swung:g} kg swings on a cart of {entry.mass:g} kg; give `mass` of the cart with all that swings on it"
@@ -213,15 +218,6 @@ def _first_guess(entry: _CartEntry, effects: Sequence[Effect], refuse: Any) -> F
         if name in std:
             raise refuse(["known", i], f"{name} stands under `std` too; keep one")
     return FirstGuess(tuple(std.items()), tuple(dict.fromkeys(entry.known)))
-
-
-def _check_effects(effects: Sequence[Effect], constraints: RollingConstraints, refuse: Any) -> None:
-    for effect in effects:
-        if isinstance(effect, ConstraintEffect):
-            try:
-                effect.check(constraints)
-            except CartgraspError as error:
-                raise refuse(["effects", effect.name], str(error)) from error
 
 
 def _labels(values: Mapping[Any, Any]) -> list[Any]:

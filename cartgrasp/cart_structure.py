@@ -131,13 +131,11 @@ class CartStructure(ABC):
 
     @cached_property
     def inertia_effects(self) -> tuple[tuple[InertiaEffect, slice], ...]:
-        pairs = zip(self.effects, self._slices, strict=True)
-        return tuple((e, s) for e, s in pairs if isinstance(e, InertiaEffect))
+        return tuple((e, s) for e, s in zip(self.effects, self._slices, strict=True) if isinstance(e, InertiaEffect))
 
     @cached_property
     def sensor_effects(self) -> tuple[tuple[SensorEffect, slice], ...]:
-        pairs = zip(self.effects, self._slices, strict=True)
-        return tuple((e, s) for e, s in pairs if isinstance(e, SensorEffect))
+        return tuple((e, s) for e, s in zip(self.effects, self._slices, strict=True) if isinstance(e, SensorEffect))
 
     @SharedProperty
     def feels_motion(self) -> bool:

@@ -109,9 +109,8 @@ def rows(what: str, values: Any, columns: Sequence[str], count: int | None = Non
         found = np.asarray(None)
     form = ", ".join(columns)
     if found.dtype.kind not in "fiu":
-        raise UsageError(
-            f"{what}: {_kind_of(values)} is no array of numbers; give {form} of each row, NaN where missing"
-        )
+        said = f"an array of {values.dtype}" if isinstance(values, np.ndarray) else shown(values)
+        raise UsageError(f"{what}: {said} is no array of numbers; give {form} of each row, NaN where missing")
     width = (len(columns),) if len(columns) > 1 else ()
     if found.ndim != 1 + len(width) or found.shape[1:] != width or count not in (None, len(found)):
         wanted = ", ".join(map(str, ("n" if count is None else count, *width)))
@@ -151,11 +150,6 @@ def digits(values: float | Sequence[float]) -> str:
 def unrounded(value: float, size: float) -> float:
     """The value to be printed: nought where it is only what rounding left beside numbers of a size."""
     return 0.0 if abs(value) < 1e-9 * size else value
-
-
-def _kind_of(values: Any) -> str:
-    is_array = isinstance(values, np.ndarray)
-    return f"an array of {values.dtype}" if is_array else shown(values)
 
 
 def _range(low: float, high: float) -> str:

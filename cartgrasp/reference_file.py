@@ -40,16 +40,9 @@ class Stretch:
 
     def __post_init__(self) -> None:
         number("stretch: duration", self.duration, 0.0, MAX_STRETCH_DURATION, "give s")
-        number(
-            "stretch: acceleration", self.acceleration, -MAX_STRETCH_ACCELERATION, MAX_STRETCH_ACCELERATION, "give m/s²"
-        )
-        number(
-            "stretch: yaw_acceleration",
-            self.yaw_acceleration,
-            -MAX_STRETCH_ACCELERATION,
-            MAX_STRETCH_ACCELERATION,
-            "give rad/s²",
-        )
+        for name, unit in (("acceleration", "m/s²"), ("yaw_acceleration", "rad/s²")):
+            most = MAX_STRETCH_ACCELERATION
+            number(f"stretch: {name}", getattr(self, name), -most, most, f"give {unit}")
 
 
 @dataclass(frozen=True)

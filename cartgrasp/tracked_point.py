@@ -17,7 +17,7 @@ if TYPE_CHECKING:
 def composed(pose_sa: Array, pose_ab: Array) -> Array:
     """`pose_sb`, (..., 3). A heading that is not known (NaN) is asked for only where {b}'s origin is not {a}'s."""
     heading, place = pose_sa[..., 2], pose_ab[..., :2]
-    shift = _turned(heading, place) if np.any(place) else 0.0
+    shift = rotation_planar(heading) @ place if np.any(place) else 0.0
     return np.concatenate([pose_sa[..., :2] + shift, (heading + pose_ab[..., 2])[..., None]], axis=-1)
 
 
@@ -30,7 +30,7 @@ def carried(velocity_s: Array, heading: Array, place_a: Array) -> Array:
     """Velocities (..., 3) in {s} of a point at `place_a` (2,) of a frame with such headings (...) and velocities."""
     if not np.any(place_a):
         return velocity_s
-    x, y = np.moveaxis(_turned(heading, place_a), -1, 0)
+    x, y = np.moveaxis(rotation_planar(heading) @ place_a, -1, 0)
     turn = velocity_s[..., 2]
     return np.asarray(velocity_s + np.stack([-turn * y, turn * x, np.zeros_like(turn)], axis=-1))
 
@@ -63,8 +63,3 @@ class TrackedPoint:
             velocity = carried(np.asarray(velocity, dtype=float), self._heading + turned, self.pose_tb[:2])
         pose = None if pose is None else composed(np.asarray(pose, dtype=float), self.pose_tb)
         return replace(measurement, pose=pose, velocity=velocity)
-
-
-def _turned(heading: Array, place: Array) -> Array:
-    """(..., 2)."""
-    return np.asarray(rotation_planar(heading) @ place)

@@ -35,12 +35,8 @@ class Wheel:
     def __post_init__(self) -> None:
         if self.kind not in (FIXED, CASTER):
             raise UsageError(f"wheels: kind: {self.kind!r} is neither {FIXED!r} nor {CASTER!r}")
-        for what, value, low in (
-            ("x", self.x, -MAX_DISTANCE),
-            ("y", self.y, -MAX_DISTANCE),
-            ("trail", self.trail, 0.0),
-        ):
-            number(f"wheels: {what}", value, low, MAX_DISTANCE, "give m")
+        for what, low in (("x", -MAX_DISTANCE), ("y", -MAX_DISTANCE), ("trail", 0.0)):
+            number(f"wheels: {what}", getattr(self, what), low, MAX_DISTANCE, "give m")
 
 
 @dataclass(frozen=True)

@@ -136,18 +136,13 @@ def _refuse_odd_shapes(document: CommentedMap, name: str) -> None:
         seen += 1
         if depth > MAX_YAML_DEPTH or seen > MAX_YAML_VALUES:
             why = f"is nested more than {MAX_YAML_DEPTH} deep, or holds more than {MAX_YAML_VALUES} values"
-            raise _refusal(name, node, why)
+            raise file_error(node, name, [], why)
         if isinstance(node, Mapping):
             if any(key is None or isinstance(key, Mapping | tuple) for key in node):
-                raise _refusal(name, node, "a key must be a word, not nothing, a list or a mapping")
+                raise file_error(node, name, [], "a key must be a word, not nothing, a list or a mapping")
             waiting.extend((value, depth + 1) for value in node.values())
         elif isinstance(node, list):
             waiting.extend((value, depth + 1) for value in node)
-
-
-def _refusal(name: str, node: Any, why: str) -> FileError:
-    line, column = _start(node)
-    return FileError(Place(name, line + 1, column + 1), "", why)
 
 
 def _keys(document: Any, location: Sequence[str | int], is_missing: bool) -> list[str | int]:
@@ -180,7 +175,9 @@ def _models(annotation: Any) -> list[type[BaseModel]]:
 
 
 def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:
-    line, column = _start(document)
+    line = column = 0
+    if isinstance(document, CommentedMap | CommentedSeq):
+        line, column = int(document.lc.line or 0), int(document.lc.col or 0)
     node = document
     for part in location:
         try:
@@ -194,12 +191,6 @@ def _place(document: Any, name: str, location: Sequence[str | int]) -> Place:
         except (KeyError, IndexError, TypeError, AttributeError):
             break
     return Place(name, line + 1, column + 1)
-
-
-def _start(document: Any) -> tuple[int, int]:
-    if isinstance(document, CommentedMap | CommentedSeq):
-        return int(document.lc.line or 0), int(document.lc.col or 0)
-    return 0, 0
 
 
 def _mark_place(name: str, mark: Any) -> Place:

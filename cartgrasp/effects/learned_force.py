@@ -123,6 +123,7 @@ class LearnedForce(CompiledForce):
         """Names of what does not go with the rest, and why."""
         of_wheel = self.acts_on == "yaw_moment" and self.of in (*MEMORY_VARIABLES, "speed")
         at_wheel, along = self.acts_on in LEVER_TARGETS or of_wheel, self.of == "place" and not self.knots_y
+        counted = bool(self.harmonics) and all(k == int(k) and 0 <= k <= MAX_HARMONIC for k in self.harmonics)
         given = {item.name for item in fields(self) if getattr(self, item.name) != item.default}
         tests = (
             ("lever", not at_wheel, f"only one of {', '.join(LEVER_TARGETS)} has one"),
@@ -132,11 +133,7 @@ class LearnedForce(CompiledForce):
             ("period", self.of == "heading", "a heading repeats every turn; leave it out"),
             ("knots", bool(self.cycle), "what repeats has harmonics; leave them out"),
             ("harmonics", not self.cycle, "only what repeats has some; give a period"),
-            (
-                "harmonics",
-                not self.harmonics or not all(map(_is_harmonic, self.harmonics)),
-                f"some whole numbers from 0 to {MAX_HARMONIC:g}",
-            ),
+            ("harmonics", not counted, f"some whole numbers from 0 to {MAX_HARMONIC:g}"),
             ("knots_y", self.of != "place" or len(self.knots) < 2, "only a place with knots along x has some"),
             ("knots_y", len(self.knots_y) < 2, "two are needed"),
             ("knots", _shortest(self.knots) < MIN_PERIOD_OR_GAP, f"two stand closer than {MIN_PERIOD_OR_GAP:g}"),
@@ -184,16 +181,10 @@ class LearnedForce(CompiledForce):
         x, y = self.knots or (0.0,), self.knots_y or (0.0,)
         lists = self.harmonics if self.cycle else (*x, *y)
         count = len(self.harmonics if self.cycle else x)
-        form = (
-            TARGET_NAMES.index(self.acts_on),
-            VARIABLE_NAMES.index(self.of),
-            self.direction,
-            self.lever,
-            self.ahead,
-            self.cycle,
-        )
+        kind = float(TARGET_NAMES.index(self.acts_on)), float(VARIABLE_NAMES.index(self.of))
+        form = float(self.direction), float(self.lever), float(self.ahead), float(self.cycle)
         rounded = ROUNDING_FRACTION * _shortest(x), ROUNDING_FRACTION * _shortest(y)
-        return (*map(float, form), *rounded, REVERSAL_LENGTH, float(count), *lists)
+        return (*kind, *form, *rounded, REVERSAL_LENGTH, float(count), *lists)
 
     @property
     def memory_numbers(self) -> tuple[float, ...]:
@@ -208,10 +199,6 @@ class LearnedForce(CompiledForce):
 
     def memory_spread(self, wheels: WheelSet) -> Array:
         return np.full(len(self.memory_names(wheels)), 0.001)
-
-
-def _is_harmonic(k: float) -> bool:
-    return k == int(k) and 0 <= k <= MAX_HARMONIC
 
 
 def _shortest(knots: tuple[float, ...]) -> float:

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Callable, Sequence
 from typing import NamedTuple
 
 import numpy as np
@@ -50,10 +50,7 @@ class PushedPlant:
         self.plant.step(self._with_pushes(wrenches), duration)
 
     def _with_pushes(self, arms: ContactWrenches) -> ContactWrenches:
-        pushes = self._outside(self.time, self.motion)
-        names = [f"outside {i}" for i in range(len(pushes))]
-        wrenches: Mapping[str, Array] = {
-            name: np.concatenate([push.force_b, np.zeros(3)]) for name, push in zip(names, pushes, strict=True)
-        }
-        points = {name: push.point_b for name, push in zip(names, pushes, strict=True)}
+        pushes = {f"outside {i}": push for i, push in enumerate(self._outside(self.time, self.motion))}
+        wrenches = {name: np.append(push.force_b, np.zeros(3)) for name, push in pushes.items()}
+        points = {name: push.point_b for name, push in pushes.items()}
         return ContactWrenches({**arms.wrenches, **wrenches}, {**arms.contacts, **points}, arms.yaws, arms.away)

@@ -163,7 +163,7 @@ class ContactSearch:
             return
         contacts = self._realise(region, answer)
         if self._keeps_distance(contacts) and self._keeps_cart_limits(region, contacts, answer):
-            self._accept(answer.value, contacts)
+            self._best, self._contacts = answer.value, contacts
             return
         self._try_near(region, contacts)
         if box.size < MIN_BOX_WIDTH:
@@ -219,10 +219,7 @@ class ContactSearch:
     def _try(self, contacts: Array) -> None:
         answer = self._ask(contacts, contacts, self._question.charge(contacts, contacts))
         if answer.value < self._best:
-            self._accept(answer.value, contacts)
-
-    def _accept(self, value: float, contacts: Array) -> None:
-        self._best, self._contacts = value, contacts
+            self._best, self._contacts = answer.value, contacts
 
     def _realise(self, region: Region, answer: Answer) -> Array:
         """Contacts in a region at which the wrenches give what was reached: of all, the hands farthest apart.

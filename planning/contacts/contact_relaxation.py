@@ -22,12 +22,12 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
-from cartgrasp.contacts import ContactSet
 from cartgrasp.frames import Array
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..limits import CartLimit, LimitRows, limits_of
 from ..quadratic_program import NUMERICAL
+from .contact_bounds import Candidates
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -64,7 +64,7 @@ def relax_contact_choice(
     held: list[Any] = []
     constraints: list[Any] = []
     for i, arm in enumerate(template.arms):
-        points = _candidates(arm.contacts)
+        points = Candidates.of([arm.contacts]).vertices
         rows = template.contact_rows(points, np.full(len(points), i))
         limits, root = limits_of(arm), np.sqrt(arm.weights)
         share = cvxpy.Variable(len(points), nonneg=True)
@@ -91,13 +91,6 @@ def relax_contact_choice(
         return ContactRelaxation(status, np.inf if status.startswith("infeasible") else -np.inf, {})
     shares = {arm.name: np.asarray(share.value) for arm, share in zip(template.arms, held, strict=True)}
     return ContactRelaxation(status, unit**2 * float(problem.value), shares)
-
-
-def _candidates(contacts: ContactSet) -> Array:
-    """Points and ends of segments, (c, 3)."""
-    return np.array(
-        [*contacts.points, *(end for segment in contacts.segments for end in (segment.start, segment.stop))]
-    )
 
 
 def _within(limits: LimitRows, wrench: Any, share: Any, unit: float) -> list[Any]:

@@ -200,8 +200,7 @@ def _comment(name: str) -> str:
 
 def _text(name: str) -> str:
     """A name inside a C string."""
-    return "".join(c if c.isascii() and c.isprintable() and c not in '"\\?' else _escaped(c) for c in name)
-
-
-def _escaped(character: str) -> str:
-    return "".join(f"\\{byte:03o}" for byte in character.encode("utf-8"))
+    plain = (
+        chr(byte) if 32 <= byte < 127 and chr(byte) not in '"\\?' else f"\\{byte:03o}" for byte in name.encode("utf-8")
+    )
+    return "".join(plain)

@@ -16,7 +16,6 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.information import parameter_regressor
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
@@ -66,8 +65,7 @@ def motions(reference: ReferencePath, cart: CartModel, window: tuple[float, floa
         headings[1:] += turned
     state = np.tile(cart.state(), (len(choices), n, 1))
     state[..., :2], state[..., 2], state[..., cart.velocity_slice] = poses[:, :2], headings, velocities
-    regressors = parameter_regressor(cart, state, accelerations, time=float(times.mean()))
-    needed = cart.required_wrench(state, accelerations, time=float(times.mean()))
+    needed, regressors = cart.inverse_by_parameters(state, accelerations, time=float(times.mean()))
     keeps_on = (velocities[..., 0] * velocity[:, 0] >= 0).all(axis=1)
     kept = tuple(choice for choice, fine in zip(choices, keeps_on, strict=True) if fine)
     return Motions(kept, regressors[keeps_on], needed[keeps_on])
