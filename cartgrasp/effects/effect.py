@@ -358,3 +358,15 @@ class SensorEffect(Effect):
     def pose_tb(self, parameters: Array) -> Array:
         """Where {b} is in the frame that is tracked, (3,)."""
         return np.zeros(3)
+
+
+class LeavesWrenches(SensorEffect):
+    """A sensor effect that records wrenches as they are."""
+
+    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
+        return wrench_a
+
+    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
+        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
+        by_parameters = np.zeros((*lead, 6, len(self.parameters)))
+        return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=by_parameters)

@@ -51,11 +51,8 @@ class EndStop(CompiledForce):
         Parameter("damping", "N·s/m", typical=100.0, lower=0.0, estimated=False),
     )
     signature = "the motion turns round at once, at one place"
+    constants = (SMOOTHING_DEPTH,)
     searched = False
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (SMOOTHING_DEPTH,)
 
     @property
     def wall(self) -> Wall | None:

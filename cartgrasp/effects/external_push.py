@@ -36,7 +36,4 @@ class ExternalPush(CompiledForce):
     )
     gate = Gate.WHILE
     signature = "a force and moment within one short time, whatever the motion"
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (RISE_TIME,)
+    constants = (RISE_TIME,)

@@ -40,8 +40,5 @@ class FloorPatch(WheelForce):
     )
     gate = Gate.INSIDE
     signature = "drag that comes and goes at places of the floor, whatever the direction"
+    constants = (SMOOTHING_LENGTH,)
     ordered = (("x_min", "x_max"), ("y_min", "y_max"))
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (SMOOTHING_LENGTH,)

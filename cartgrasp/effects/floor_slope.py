@@ -31,7 +31,4 @@ class FloorSlope(CompiledForce):
         Parameter("grade_y", "-", typical=0.01, lower=-1.0, upper=1.0, is_by_mass=True),
     )
     signature = "a force that depends on heading, also at rest, and keeps its sign when the motion turns"
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (GRAVITY,)
+    constants = (GRAVITY,)

@@ -12,12 +12,12 @@ from typing import final
 import numpy as np
 
 from ..frames import Array
-from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
+from .effect import LeavesWrenches, Parameter
 
 
 @final
 @dataclass(frozen=True)
-class PoseOffset(SensorEffect):
+class PoseOffset(LeavesWrenches):
     """{b} is at (`x`, `y`) (m) in the tracked frame, turned by `yaw` (rad): `x` is negative where the tracked point is
     ahead of {b}'s origin."""
 
@@ -37,10 +37,3 @@ class PoseOffset(SensorEffect):
 
     def pose_tb(self, parameters: Array) -> Array:
         return parameters
-
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
-        return wrench_a
-
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
-        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
-        return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=np.zeros((*lead, 6, 3)))

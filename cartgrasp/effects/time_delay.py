@@ -9,15 +9,12 @@ from __future__ import annotations
 from dataclasses import dataclass
 from typing import final
 
-import numpy as np
-
-from ..frames import Array
-from .effect import HAND_AT_REST, Contribution, HandMotion, Parameter, SensorEffect
+from .effect import LeavesWrenches, Parameter
 
 
 @final
 @dataclass(frozen=True)
-class TimeDelay(SensorEffect):
+class TimeDelay(LeavesWrenches):
     """What is recorded at t was felt at `t - delay` (s)."""
 
     delay: float = 0.0
@@ -30,10 +27,3 @@ class TimeDelay(SensorEffect):
     @property
     def lateness(self) -> float:
         return self.delay
-
-    def recorded(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Array:
-        return wrench_a
-
-    def corrected(self, wrench_a: Array, parameters: Array, hand: HandMotion = HAND_AT_REST) -> Contribution:
-        lead = np.broadcast_shapes(wrench_a.shape[:-1], parameters.shape[:-1])
-        return Contribution(np.broadcast_to(wrench_a, (*lead, 6)), by_parameters=np.zeros((*lead, 6, 1)))

@@ -37,7 +37,4 @@ class UnknownSlope(CompiledForce):
         Parameter("moment_y", "m", typical=0.003, lower=-0.1, upper=0.1, is_by_mass=True),
     )
     signature = "a force and a moment that depend on heading, also at rest"
-
-    @property
-    def constants(self) -> tuple[float, ...]:
-        return (GRAVITY,)
+    constants = (GRAVITY,)

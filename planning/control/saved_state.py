@@ -25,7 +25,7 @@ from cartgrasp.motion import Estimate, Motion
 from cartgrasp.writing import write_atomically
 from cartgrasp.yaml_file import StrictModel, dump_yaml, parse_yaml, read_yaml, validate
 
-from .hand import Hand, Phase
+from .hand import Hand, Phase, point_of
 
 Coordinates = Annotated[list[float], Field(min_length=3, max_length=3)]
 Components = Annotated[list[float], Field(min_length=6, max_length=6)]
@@ -40,9 +40,8 @@ class _HandEntry(StrictModel):
     wrench: Components
 
     def hand(self) -> Hand:
-        x, y, z = self.point
-        target = None if self.target is None else (self.target[0], self.target[1], self.target[2])
-        return Hand((x, y, z), Phase(self.phase), self.share, target, self.taken)
+        target = None if self.target is None else point_of(self.target)
+        return Hand(point_of(self.point), Phase(self.phase), self.share, target, self.taken)
 
 
 class _SavedEntry(StrictModel):
@@ -70,11 +69,10 @@ class Saved:
 
     def save(self, path: str | os.PathLike[str]) -> Path:
         hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
-        cart = parse_yaml(cart_text(self.cart), "cart")
         document: dict[str, Any] = {"time": self.time, "along": self.along, "pace": self.share}
         if self.motion is not None:
             document |= {"pose": self.motion.pose_sb.tolist(), "velocity": self.motion.velocity.tolist()}
-        document |= {"cart": cart, "hands": hands}
+        document |= {"cart": parse_yaml(cart_text(self.cart), "cart"), "hands": hands}
         return write_atomically(path, dump_yaml(CommentedMap(document)))
 
 

@@ -23,9 +23,10 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
+from ..planner import WrenchPlanner
 from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
 from .regrasp_graph import Indices, RegraspGraph
-from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts, why_not
+from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts
 
 if TYPE_CHECKING:
     from cartgrasp.model import CartModel
@@ -229,7 +230,8 @@ class _Problem:
         """Stages that no grips can do, and the one that no sequence of regrasps gets past."""
         found = {}
         for k in np.flatnonzero(np.isinf(efforts.efforts).all(axis=1)).tolist():
-            words = why_not(self.cart, self.arms, self.wrenches[k], distance)
+            plan = WrenchPlanner(self.cart, self.arms, min_hand_distance=distance).plan(self.wrenches[k])
+            words = "" if plan.status == OPTIMAL else plan.message
             found[k] = words or "no solver gave a verified answer"
         last = self.graph.blocked(efforts.efforts, starts)
         if last is not None and last not in found:

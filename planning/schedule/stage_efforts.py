@@ -45,7 +45,16 @@ def stage_efforts(
     choices = [range(NO_CONTACT, len(candidates)) for candidates in points.values()]
     grips = np.array(list(product(*choices)))
     asked, stage = np.unique(wrenches, axis=0, return_inverse=True)
-    table = [_efforts(cart, arms, _held(points, row), (asked, min_hand_distance)) for row in grips]
+    table = []
+    for row in grips:
+        holding = [(arm, grip) for arm, grip in zip(arms, row, strict=True) if grip != NO_CONTACT]
+        if not holding:
+            idle = np.abs(asked @ cart.basis_b).max(axis=1) <= EQUALITY_TOLERANCE
+            table.append([np.where(idle, 0.0, np.inf)] * 2)
+            continue
+        planner = WrenchPlanner(cart, [arm for arm, _ in holding], min_hand_distance=min_hand_distance)
+        held = {arm.name: points[arm.name][grip] for arm, grip in holding}
+        table.append(list(np.array([_effort(planner, wrench, held) for wrench in asked]).T))
     efforts, bounds = (np.array(part).T[stage] for part in zip(*table, strict=True))
     return StageEfforts(grips, efforts, bounds, len(asked) * (len(grips) - 1))
 
@@ -58,33 +67,8 @@ def candidate_points(arms: Sequence[Arm]) -> dict[str, Array]:
     return {arm.name: np.array(arm.contacts.points) for arm in arms}
 
 
-def why_not(cart: CartModel, arms: Sequence[Arm], wrench_b: Array, min_hand_distance: float) -> str:
-    """In words, what keeps a wrench (3,) from being given with the best contacts of all arms; empty if nothing does."""
-    plan = WrenchPlanner(cart, arms, min_hand_distance=min_hand_distance).plan(wrench_b)
-    return "" if plan.status == OPTIMAL else plan.message
-
-
-def _held(points: Mapping[str, Array], grips: Array) -> dict[str, Array]:
-    pairs = zip(points.items(), grips, strict=True)
-    return {name: candidates[grip] for (name, candidates), grip in pairs if grip != NO_CONTACT}
-
-
-def _efforts(
-    cart: CartModel, arms: Sequence[Arm], held: Mapping[str, Array], asked: tuple[Array, float]
-) -> tuple[Array, Array]:
-    """Efforts and their bounds, (stages,) each, of the arms that hold."""
-    wrenches, distance = asked
-    if not held:
-        idle = np.abs(wrenches @ cart.basis_b).max(axis=1) <= EQUALITY_TOLERANCE
-        efforts = np.where(idle, 0.0, np.inf)
-        return efforts, efforts
-    planner = WrenchPlanner(cart, [arm for arm in arms if arm.name in held], min_hand_distance=distance)
-    pairs = [_effort(planner, wrench, held) for wrench in wrenches]
-    efforts, bounds = np.array(pairs).T
-    return efforts, bounds
-
-
 def _effort(planner: WrenchPlanner, wrench: Array, held: Mapping[str, Array]) -> tuple[float, float]:
+    """The effort of a wrench (3,), and its bound."""
     plan = planner.plan(wrench, contacts=held)
     if plan.status == OPTIMAL and plan.effort is not None and plan.residuals is not None:
         gap = plan.residuals.gap * max(1.0, plan.effort)
