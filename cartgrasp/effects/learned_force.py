@@ -27,9 +27,8 @@ for nothing. Before the first it has been long ago.
 
 With a `period`, the shares are cos_k and sin_k of k 2 pi s / period, k being one of `harmonics`. Without, they
 interpolate: share i is 1 at the i-th of `knots` and 0 at its neighbours, linear between, constant beyond the first and
-the last; corners are averaged over `ROUNDING_FRACTION` of the shortest gap to either side, with the weight
-3 (1 - t²) / 4. Beside `knots_y` shares are products of one along x and one along y. Without period or knots the force
-is constant.
+the last; corners are averaged over `ROUNDING_FRACTION` of the shortest gap to either side, with the weight 3 (1 - t²) /
+4. Beside `knots_y` shares are products of one along x and one along y. Without period or knots the force is constant.
 """
 
 from __future__ import annotations

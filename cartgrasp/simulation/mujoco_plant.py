@@ -1,9 +1,8 @@
 """A plant whose physics is MuJoCo's: floor contacts, rolling wheels, swinging casters.
 
-It differs in structure from every `CartModel`: wheels may creep, loads shift when a cart is pushed high up,
-friction is Coulomb's down to standstill, a caster's wheel drags along its own rolling. What it shares is
-the cart file; loads enter rolling resistance as the static ones, as they do in the model. MuJoCo's world is
-the frame of the first pose.
+It differs in structure from every `CartModel`: wheels may creep, loads shift when a cart is pushed high up, friction is
+Coulomb's down to standstill, a caster's wheel drags along its own rolling. What it shares is the cart file; loads enter
+rolling resistance as the static ones, as they do in the model. MuJoCo's world is the frame of the first pose.
 """
 
 from __future__ import annotations

@@ -1,5 +1,4 @@
-"""Candidate contacts of all arms as arrays, and the bounds on every choice among them by the cuts collected
-so far."""
+"""Candidate contacts of all arms as arrays, and the bounds on every choice among them by the cuts collected so far."""
 
 from __future__ import annotations
 
@@ -113,8 +112,7 @@ class Candidates:
 
     @cached_property
     def widest(self) -> float:
-        """An upper bound of the hands' distance over all choices; for points (and up to 2^16 choices) the
-        largest."""
+        """An upper bound of the hands' distance over all choices; for points (and up to 2^16 choices) the largest."""
         if self.single is not None:
             return min((math.dist(p, q) for p, q in combinations(self.vertices.tolist(), 2)), default=np.inf)
         pairs = [(i, j) for j in range(self.n_arms) for i in range(j)]
@@ -230,8 +228,7 @@ class CutPool:
         return np.asarray(self._constants[:k] + self._tables[:k, chosen].sum(axis=1) + free)
 
     def _best(self, values: Array, start: int) -> Array:
-        """Highest bound over cuts (k, c) from `start`; infinite where a ray proves that nothing is
-        feasible."""
+        """Highest bound over cuts (k, c) from `start`; infinite where a ray proves that nothing is feasible."""
         rays = self._rays[start : start + len(values)]
         best = values[~rays].max(axis=0, initial=-np.inf)
         return np.where((values[rays] > self._ray_tolerance).any(axis=0), np.inf, best)

@@ -1,8 +1,7 @@
 """One solved case of contact choice: a pair of vertices (high, low), equal where the contacts are points.
 
-Two questions are asked of cases, and answered in the same form: the least effort, or (when nothing is
-feasible) the least ½ distance² to what is asked. Each answer comes with a cut that bounds it over all other
-contacts (duality.py).
+Two questions are asked of cases, and answered in the same form: the least effort, or (when nothing is feasible) the
+least ½ distance² to what is asked. Each answer comes with a cut that bounds it over all other contacts (duality.py).
 """
 
 from __future__ import annotations

@@ -1,14 +1,12 @@
 """Which contacts to hold: a proven optimum over points and segments of several arms, hands a distance apart.
 
-Best-first branch and bound. A node is a table of choices (an option for each arm), bounded by the cuts of
-everything solved so far, or a box of contacts, bounded by its parent's optimum. A box is solved over the hull
-of its allowed contacts (contact_regions.py), which is exact for the wrench (allocation_template.py), as one
-case for each pair of extreme vertices. If contacts that realise the optimum keep the distance, the box is
-done; else it is halved.
+Best-first branch and bound. A node is a table of choices (an option for each arm), bounded by the cuts of everything
+solved so far, or a box of contacts, bounded by its parent's optimum. A box is solved over the hull of its allowed
+contacts (contact_regions.py), which is exact for the wrench (allocation_template.py), as one case for each pair of
+extreme vertices. If contacts that realise the optimum keep the distance, the box is done; else it is halved.
 
-With three or more arms on segments and a distance that binds, the hull is the box itself and convergence is
-linear: the limit on solves may end the search first. The incumbent is then returned with the gap that is
-certified.
+With three or more arms on segments and a distance that binds, the hull is the box itself and convergence is linear: the
+limit on solves may end the search first. The incumbent is then returned with the gap that is certified.
 
 What options cost beside the effort (switching_cost.py) is a constant of each, and adds to its bounds and to its cases.
 """
@@ -183,8 +181,7 @@ class ContactSearch:
             self._try(allowed[away.argmin()])
 
     def _best_case(self, bound: float, region: Region) -> Answer | None:
-        """The least over the region's pairs of extreme vertices; pairs that a cut puts above it are left
-        out."""
+        """The least over the region's pairs of extreme vertices; pairs that a cut puts above it are left out."""
         pairs, best = region.extremes(), None
         charge = self._question.charge(region.box.low, region.box.high)
         if self._solver.template.moment_row is None:
@@ -224,8 +221,7 @@ class ContactSearch:
     def _realise(self, region: Region, answer: Answer) -> Array:
         """Contacts in a region at which the wrenches give what was reached: of all, the hands farthest apart.
 
-        They are a slice of the region; its vertices are where the moment crosses zero between two of the
-        region's.
+        They are a slice of the region; its vertices are where the moment crosses zero between two of the region's.
         """
         if len(region.s) == 1:
             return np.asarray(region.vertices[0])

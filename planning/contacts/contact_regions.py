@@ -63,8 +63,7 @@ class Box:
 
 @dataclass(frozen=True, eq=False)
 class Region:
-    """The hull of what a box leaves for hands at least a distance apart: vertices s (k, n_moving), as
-    contacts too."""
+    """The hull of what a box leaves for hands at least a distance apart: vertices s (k, n_moving), as contacts too."""
 
     box: Box
     s: Array
@@ -102,8 +101,7 @@ class Region:
 
 
 def boxes(pieces: Sequence[tuple[Array, Array]], distance: float) -> Iterator[Box]:
-    """Boxes of one choice for each arm (a point has equal ends), less what is too near to another arm's
-    point."""
+    """Boxes of one choice for each arm (a point has equal ends), less what is too near to another arm's point."""
     points = [low for low, high in pieces if (low == high).all()]
     cut = [
         [(low, high)] if (low == high).all() or distance <= 0 else _clear_of(low, high, points, distance)
