@@ -9,16 +9,13 @@ the wheels:
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING
 
 import numpy as np
 
+from .compiled_dynamics import StatePoint
 from .frames import Array
+from .model import CartModel
 from .rigid_body import bias_b, mass_matrix_b, regressor_b
-
-if TYPE_CHECKING:
-    from .compiled_dynamics import StatePoint
-    from .model import CartModel
 
 Rates = tuple[Array, ...]
 """Rate of the state (..., n) and its partials by state (..., n, n), wrench (..., n, 3) and parameters (..., n, p)."""

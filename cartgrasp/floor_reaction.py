@@ -23,16 +23,14 @@ and with it the loads and lambda have slopes; M_b and b are linear in phi.
 from __future__ import annotations
 
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, NamedTuple, Self
+from typing import NamedTuple, Self
 
 import numpy as np
 
 from .errors import UsageError
 from .frames import PLANAR, Array
-
-if TYPE_CHECKING:
-    from .model import CartModel
-    from .motion import Motion
+from .model import CartModel
+from .motion import Motion
 
 TO_PLANAR = np.eye(6)[[*PLANAR]]
 

@@ -3,8 +3,6 @@ contributions, which they work out in numpy, are where the kernels' sums begin."
 
 from __future__ import annotations
 
-from typing import TYPE_CHECKING
-
 import numpy as np
 
 from .checks import check_kind
@@ -14,9 +12,7 @@ from .errors import UsageError
 from .frames import Array
 from .kernels.situation import Parts
 from .kernels.workspace import N_PHI
-
-if TYPE_CHECKING:
-    from .model import CartModel
+from .model import CartModel
 
 ForeignForce = tuple[ForceEffect, slice, slice]
 ForeignInertia = tuple[InertiaEffect, slice]

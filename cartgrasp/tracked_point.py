@@ -4,14 +4,11 @@ from __future__ import annotations
 
 import math
 from dataclasses import replace
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from .frames import Array, rotation_planar
-
-if TYPE_CHECKING:
-    from .motion import Measurement
+from .motion import Measurement
 
 
 def composed(pose_sa: Array, pose_ab: Array) -> Array:

@@ -3,11 +3,13 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import check_known
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ContactSource, ReferencePath
 
+from ..control.hand import RegraspTimes
 from ..planner import WrenchPlanner
 from .by_time import FixedContacts, PeriodicContacts
 from .choosing import Choosing
@@ -15,12 +17,6 @@ from .least_effort import LeastEffortContacts
 from .scheduled import ScheduledContacts
 from .strategies import LEAST_EFFORT, PERIODIC, SCHEDULE, STRATEGIES, TEACH
 from .teaching import TeachingContacts
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ContactSource, ReferencePath
-
-    from ..control.hand import RegraspTimes
 
 
 def contact_source(

@@ -2,28 +2,22 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
 from cartgrasp.information import WrenchNoise, fisher_information, reduced_noise
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ReferencePath
 
 from ..allocation.allocation_template import AllocationTemplate
+from ..control.hand import RegraspTimes
 from ..excitation.excitation_family import FreeSplit, contact_choices, motions
 from ..planner import WrenchPlanner
 from ..quadratic_program import OPTIMAL
-
-if TYPE_CHECKING:
-    from collections.abc import Mapping
-
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ReferencePath
-
-    from ..control.hand import RegraspTimes
 
 SAME_CHOICE_DISTANCE = 1e-6  # m
 MIN_WRENCH_STD = 1e-3

@@ -5,24 +5,20 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from itertools import combinations
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.roles import ContactChoice, ContactQuery
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ContactChoice, ContactQuery, ReferencePath
 
+from ..control.hand import RegraspTimes
 from ..quadratic_program import OPTIMAL
 from ..schedule.schedule import Grip, Horizon, RegraspCost, Schedule, plan_schedule
 from ..schedule.stage_efforts import candidate_points
 from .choosing import Choosing
 from .lookahead import SAME_CHOICE_DISTANCE
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ReferencePath
-
-    from ..control.hand import RegraspTimes
 
 HORIZON_STAGES = 20
 """The number of stages of a horizon."""

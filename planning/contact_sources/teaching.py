@@ -9,7 +9,7 @@ small as asked, the one of least effort. A regrasp has to be worth its own cost 
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING, final
+from typing import final
 
 import numpy as np
 
@@ -18,17 +18,13 @@ from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.information import covariance_after
-from cartgrasp.roles import ContactChoice, ContactQuery
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate
+from cartgrasp.roles import ContactChoice, ContactQuery, ReferencePath
 
+from ..control.hand import RegraspTimes
 from .choosing import Choosing
 from .lookahead import ContactFamily, Lookahead
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.motion import Estimate
-    from cartgrasp.roles import ReferencePath
-
-    from ..control.hand import RegraspTimes
 
 MIN_INFORMATION_GAIN = 0.1
 """The least decrease of the log of the product of standard deviations that is worth a regrasp."""

@@ -16,21 +16,19 @@ from __future__ import annotations
 import warnings
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
 
 from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..limits import CartLimit, LimitRows, limits_of
 from ..quadratic_program import NUMERICAL
 from .contact_bounds import Candidates
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
 
 RELAXATION_TOLERANCE = 1e-8
 

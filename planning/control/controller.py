@@ -7,7 +7,7 @@ import os
 from collections.abc import Mapping, Sequence
 from dataclasses import replace
 from pathlib import Path
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,7 +17,8 @@ from cartgrasp.checks import brief, check_kind, check_known, listed, number, pos
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, body_to_world
 from cartgrasp.garbage_collection import freeze_live_objects
-from cartgrasp.motion import Measurement
+from cartgrasp.model import CartModel
+from cartgrasp.motion import Estimate, Measurement, Reference
 from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimator, Plan, Planner, ReferencePath, Tracker
 
 from ..contact_sources.by_name import contact_source
@@ -39,10 +40,6 @@ from .regrasps import Ahead, Given, Regrasps
 from .rejection import Rejection
 from .saved_state import Saved, as_first_guess, read_saved
 from .step import Step
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.motion import Estimate, Reference
 
 LOST_MOTION_HEALTHS = ("stale", "clock_went_back")
 SENSES_LOST_HEALTHS = (*LOST_MOTION_HEALTHS, "no_wrench")

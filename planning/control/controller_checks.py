@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Collection, Iterable, Mapping, Sequence
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -14,10 +14,8 @@ from cartgrasp.checks import check_kind, check_known, shown
 from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 from cartgrasp.roles import ContactChoice, Estimator, ReferencePath
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
 
 
 def check_for_cart(reference: ReferencePath, cart: CartModel) -> None:

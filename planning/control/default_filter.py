@@ -7,12 +7,10 @@ arrow and no other.
 from __future__ import annotations
 
 from collections.abc import Sequence
-from typing import TYPE_CHECKING
 
-if TYPE_CHECKING:
-    from cartgrasp.arms import Arm
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import Estimator
+from cartgrasp.arms import Arm
+from cartgrasp.model import CartModel
+from cartgrasp.roles import Estimator
 
 
 def default_filter(cart: CartModel, arms: Sequence[Arm]) -> Estimator:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import TYPE_CHECKING, Any, Self
+from typing import Any, Self
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -15,14 +15,12 @@ from cartgrasp.arms import Arm
 from cartgrasp.contacts import MAX_POSITION
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import PLANAR, Array
+from cartgrasp.model import CartModel
 from planning.allocation.allocation import contact_array
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.limits import CartLimit
 from planning.quadratic_program import QuadraticProgram
 from planning.tick.plan_inputs import MAX_WRENCH
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
 
 MAX_OSQP_ITERATIONS = 4000
 

@@ -15,7 +15,6 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -23,9 +22,7 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 from cartgrasp.motion import Reference
-
-if TYPE_CHECKING:
-    from cartgrasp.roles import ReferencePath
+from cartgrasp.roles import ReferencePath
 
 DERIVATIVE_ORDERS = 4
 ACCELERATION_CHECK_INTERVAL = 0.02  # s, between looks for steps of acceleration

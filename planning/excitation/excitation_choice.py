@@ -18,7 +18,6 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -33,16 +32,14 @@ from cartgrasp.information import (
     phi_scales,
     reduced_noise,
 )
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ReferencePath
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..planner import WrenchPlanner
 from ..quadratic_program import INFEASIBLE, OPTIMAL
 from .deviation import Deviation
 from .excitation_family import FreeSplit, Motions, contact_choices, motions
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ReferencePath
 
 E_OPTIMAL, D_OPTIMAL = "E", "D"
 EFFORT_TOLERANCE = 1e-9

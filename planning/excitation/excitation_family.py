@@ -9,22 +9,19 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ReferencePath
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
 from ..schedule.stage_efforts import candidate_points
 from .deviation import Deviation, Wave, deviated, steady_part
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ReferencePath
 
 WINDOW_SAMPLE_INTERVAL = 0.1  # s, of the samples at which a window is judged
 MIN_WEAVE_SPEED = 0.1  # m/s: a slower cart is not made to weave

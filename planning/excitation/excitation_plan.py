@@ -8,20 +8,16 @@ from __future__ import annotations
 
 from dataclasses import dataclass
 from itertools import pairwise
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
-from cartgrasp.roles import ContactChoice, ContactQuery
+from cartgrasp.roles import ContactChoice, ContactQuery, ReferencePath
 
 from ..quadratic_program import OPTIMAL
 from .deviation import DeviatedReference
 from .excitation_choice import Excitation, ExcitationChooser
-
-if TYPE_CHECKING:
-    from cartgrasp.roles import ReferencePath
 
 
 @dataclass(frozen=True, eq=False)

@@ -14,23 +14,20 @@ from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, field
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
+from cartgrasp.roles import ReferencePath
 
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
 from ..planner import WrenchPlanner
 from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
 from .regrasp_graph import Indices, RegraspGraph
 from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
-    from cartgrasp.roles import ReferencePath
 
 EQUAL_COST_RATIO = 1e-12
 """Relative difference of totals that counts as none."""

@@ -9,19 +9,16 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from itertools import product
-from typing import TYPE_CHECKING
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.model import CartModel
 
 from ..planner import WrenchPlanner
 from ..quadratic_program import EQUALITY_TOLERANCE, INFEASIBLE, OPTIMAL
-
-if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
 
 NO_CONTACT = -1
 
