@@ -61,7 +61,13 @@ class Mechanisms:
     outer: tuple[ForceEffect, ...] = ()
 
 
-MECHANICAL_EFFECTS = (ViscousDrag, RollingResistance, CasterRealignment, PayloadChange, LearnedForce)
+MECHANICAL_EFFECTS: tuple[type[Effect], ...] = (
+    ViscousDrag,
+    RollingResistance,
+    CasterRealignment,
+    PayloadChange,
+    LearnedForce,
+)
 
 
 def mechanisms_of(cart: CartModel) -> Mechanisms:
