@@ -1,11 +1,9 @@
 """`cartgrasp study …`: the studies. Most take a folder, a seed, and how many runs, and nothing else."""
 
-from importlib import import_module
 from pathlib import Path
 from typing import Annotated
 
 import typer
-from typer.models import OptionInfo
 
 from .options import Json, Out, Seed
 
@@ -37,61 +35,57 @@ def discrepancy(
     raise typer.Exit(command.run(folder, jobs, json))
 
 
-def _add(name: str, about: str, runs: OptionInfo, usual: int) -> None:
-    """The study in the module `name`; `runs` is the option that says how many."""
+def _add(name: str, counted: tuple[str, str, int, int, int], about: str) -> None:
+    """A seeded study; `counted` are seeds or runs: the word, what each is, the least, the most and the usual number."""
+    word, each, least, most, usual = counted
+    how_many = typer.Option(f"--{word}", min=least, max=most, help=each)
 
     @study.command(name, help=about)
     def command(
-        out: Out = Path("out", name), json: Json = False, seed: Seed = 0, count: Annotated[int, runs] = usual
+        out: Out = Path("out", name), json: Json = False, seed: Seed = 0, count: Annotated[int, how_many] = usual
     ) -> None:
-        raise typer.Exit(import_module(f".{name}", __package__).run(out, json, seed, count))
+        from . import seeded_studies
+
+        raise typer.Exit(seeded_studies.run(name, word, out, json, seed, count))
 
 
 _add(
     "excitation",
+    ("seeds", "Runs of each way.", 1, 100, 3),
     "Fixed contacts, periodic switching, and chosen contacts and motion: what each teaches, and what it costs.",
-    typer.Option("--seeds", min=1, max=100, help="Runs of each way."),
-    3,
 )
 _add(
     "robust",
+    ("seeds", "Carts drawn.", 1, 100, 8),
     "Margins for what is not known yet of a load: how they shrink as it is learned, what they save and cost.",
-    typer.Option("--seeds", min=1, max=100, help="Carts drawn."),
-    8,
 )
 _add(
     "effort",
+    ("seeds", "Noises of each truck's sensors.", 1, 100, 1),
     "What hands pay at equal tracking error, by what is known of a load and where they hold it.",
-    typer.Option("--seeds", min=1, max=100, help="Noises of each truck's sensors."),
-    1,
 )
 _add(
     "safety",
+    ("seeds", "Carts drawn.", 1, 1000, 50),
     "Whether drawn carts, driven hard, skid or tip over: with and without the estimate and margins in the planner.",
-    typer.Option("--seeds", min=1, max=1000, help="Carts drawn."),
-    50,
 )
 _add(
     "estimators",
+    ("seeds", "Logs of each kind.", 2, 100, 4),
     "Filter, regressor, the paper's form and identify on the same logs: which is better when.",
-    typer.Option("--seeds", min=2, max=100, help="Logs of each kind."),
-    4,
 )
 _add(
     "consistency",
+    ("runs", "Carts drawn.", 2, 5000, 500),
     "Whether the filter's errors are as large as it says, over many carts; and a wrong model, which must fail.",
-    typer.Option("--runs", min=2, max=5000, help="Carts drawn."),
-    500,
 )
 _add(
     "hardware",
+    ("runs", "Recordings of each experiment.", 2, 1000, 100),
     "The paper's hardware experiments on MuJoCo: straight runs, push-pull reversals on casters, heavy loads.",
-    typer.Option("--runs", min=2, max=1000, help="Recordings of each experiment."),
-    100,
 )
 _add(
     "disturbances",
+    ("runs", "Draws of each kind.", 1, 1000, 100),
     "Loads, pushes, ramps, sills and floors that no model knows, on MuJoCo, beside other controllers.",
-    typer.Option("--runs", min=1, max=1000, help="Draws of each kind."),
-    100,
 )

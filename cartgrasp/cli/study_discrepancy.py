@@ -6,7 +6,7 @@ from pathlib import Path
 
 from ..studies.log_diagnoses import COLUMNS, claims, diagnose_all, log_folders
 from .output import progress
-from .study_report import Section, StudyReport, usual_workers
+from .study_report import Findings, Section, finish, usual_workers
 
 
 def run(folder: Path, jobs: int | None, as_json: bool) -> int:
@@ -18,6 +18,5 @@ def run(folder: Path, jobs: int | None, as_json: bool) -> int:
         Section("Diagnoses", COLUMNS, [one.cells for one in found], left=3),
         Section.of_claims("Claims", promised),
     ]
-    document = {"logs": [one.as_dict() for one in found]}
-    made_by = str(folder)
-    return StudyReport("discrepancy", "Discrepancies", made_by, sections, document, promised).finish(folder, as_json)
+    told = Findings(sections, {"logs": [one.as_dict() for one in found]}, promised)
+    return finish(("discrepancy", "Discrepancies"), str(folder), told, folder, as_json)

@@ -3,15 +3,14 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
-from typing import Any, Protocol
+from typing import Any
 
 from ..studies.claims import CLAIM_COLUMNS, Claim, all_kept, markdown_table
-from ..view.figures import save_figure
 from ..writing import write_atomically
-from .output import make_folder, print_json, print_table, progress, say
+from .output import print_json, print_table, say
 
 MAX_WORKERS = 8
 
@@ -29,68 +28,32 @@ class Section:
     def of_claims(cls, title: str, claims: Sequence[Claim]) -> Section:
         return cls(title, CLAIM_COLUMNS, [claim.cells for claim in claims], left=3)
 
-    @property
-    def markdown(self) -> str:
-        return f"## {self.title}\n\n{markdown_table(self.columns, self.rows)}"
-
 
 @dataclass(frozen=True)
-class StudyReport:
-    """`made_by` is the command's options, `document` what JSON says beside promises and place, `promised` what the exit
-    status is about."""
+class Findings:
+    """`document` is what JSON says beside promises and place, `promised` what the exit status is about."""
 
-    name: str
-    heading: str
-    made_by: str
     sections: Sequence[Section]
     document: dict[str, Any]
     promised: Sequence[Claim]
 
-    def finish(self, out: Path, as_json: bool) -> int:
-        """Writes NAME.md into the folder `out`; 0 if all promises are kept, else 1."""
-        made_by = f"Made by `cartgrasp study {self.name} {self.made_by}`."
-        parts = [f"# {self.heading}", made_by, *(section.markdown for section in self.sections)]
-        write_atomically(out / f"{self.name}.md", "\n\n".join(parts))
-        kept = all_kept(self.promised)
-        if as_json:
-            promises = [claim.as_dict() for claim in self.promised]
-            print_json({**self.document, "promises": promises, "kept": kept, "out": str(out)})
-        else:
-            for section in self.sections:
-                print_table(section.title, section.columns, section.rows, section.left)
-        say(f"tables and plots are in {out}")
-        return 0 if kept else 1
 
-
-class Report(Protocol):
-    """A module that says what runs of a study come to: tables as title, columns and rows, and so on."""
-
-    def tables(self, found: Any, /) -> Sequence[tuple[str, Sequence[str], Sequence[Sequence[str]]]]: ...
-
-    def claims(self, found: Any, /) -> list[Claim]: ...
-
-    def as_dict(self, one: Any, /) -> dict[str, Any]: ...
-
-    def figure(self, found: Any, /) -> Any: ...
-
-
-def run_study(
-    called: tuple[str, str],
-    run_seeds: Callable[..., Sequence[Any]],
-    report: Report,
-    *asked: Any,
-) -> int:
-    """The study of a name and a heading, with what its command was `asked`: folder, JSON or not, seed, how many."""
-    (name, heading), (out, as_json, seed, seeds) = called, asked
-    make_folder(out)
-    with progress(name) as tell:
-        found = run_seeds(range(seed, seed + seeds), usual_workers(), tell)
-    save_figure(report.figure(found), out / f"{name}.png")
-    promised = report.claims(found)
-    sections = [*(Section(*table) for table in report.tables(found)), Section.of_claims("Claims", promised)]
-    document = {"seed": seed, "seeds": seeds, "runs": [report.as_dict(one) for one in found]}
-    made_by = f"--seed {seed} --seeds {seeds}"
-    return StudyReport(name, heading, made_by, sections, document, promised).finish(out, as_json)
+def finish(called: tuple[str, str], options: str, found: Findings, out: Path, as_json: bool) -> int:
+    """Tells what a study found that is `called` by a name and a heading, and writes NAME.md into the folder `out`;
+    0 if all promises are kept, else 1."""
+    name, heading = called
+    parts = [f"# {heading}", f"Made by `cartgrasp study {name} {options}`."]
+    parts += [f"## {one.title}\n\n{markdown_table(one.columns, one.rows)}" for one in found.sections]
+    write_atomically(out / f"{name}.md", "\n\n".join(parts))
+    kept = all_kept(found.promised)
+    if as_json:
+        promises = [claim.as_dict() for claim in found.promised]
+        print_json({**found.document, "promises": promises, "kept": kept, "out": str(out)})
+    else:
+        for one in found.sections:
+            print_table(one.title, one.columns, one.rows, one.left)
+    say(f"tables and plots are in {out}")
+    return 0 if kept else 1
 
 
 def usual_workers() -> int:

@@ -9,7 +9,7 @@ from ..studies.table1 import ROWS, Row, gain_curve, run_rows
 from ..studies.table1_figures_of_merit import comparison, paper_claims, row_claims
 from ..studies.table1_plots import save_plots
 from .output import make_folder, progress
-from .study_report import Section, StudyReport, usual_workers
+from .study_report import Findings, Section, finish, usual_workers
 
 GAIN_SCALES = (1.0, 0.5, 0.25, 0.15, 0.1)
 ERROR_COLUMNS = ("test", "with estimation", "first guess kept", "literal filter")
@@ -35,7 +35,7 @@ def run(out: Path, as_json: bool, seed: int, tests: str) -> int:
         "paper": [claim.as_dict() for claim in papers],
         "tracking_error": [dict(zip(ERROR_COLUMNS, row, strict=True)) for row in errors],
     }
-    return StudyReport("table1", "Table I", f"--seed {seed}", sections, document, promised).finish(out, as_json)
+    return finish(("table1", "Table I"), f"--seed {seed}", Findings(sections, document, promised), out, as_json)
 
 
 def _rows(tests: str) -> tuple[Row, ...]:

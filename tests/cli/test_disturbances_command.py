@@ -4,7 +4,8 @@ from __future__ import annotations
 
 import pytest
 
-from cartgrasp.cli import disturbances
+from cartgrasp.studies import disturbances
+from cartgrasp.studies import disturbances_figures_of_merit as merits
 from cartgrasp.studies.claims import Claim
 
 from .commands import run
@@ -14,9 +15,9 @@ from .commands import run
 def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status):
     asked = []
     monkeypatch.setattr(disturbances, "run_cases", lambda seeds, workers, tell: asked.extend(seeds) or ["one"])
-    monkeypatch.setattr(disturbances, "claims", lambda runs: [Claim("push", "less", "0.5", holds)])
-    monkeypatch.setattr(disturbances, "rows", lambda runs: [("push", "ours", *"123456789")])
-    monkeypatch.setattr(disturbances, "as_dict", lambda one: {"way": one})
+    monkeypatch.setattr(merits, "claims", lambda runs: [Claim("push", "less", "0.5", holds)])
+    monkeypatch.setattr(merits, "rows", lambda runs: [("push", "ours", *"123456789")])
+    monkeypatch.setattr(merits, "as_dict", lambda one: {"way": one})
     out = tmp_path / "x"
     answer = run(capsys, "study", "disturbances", "--runs", "2", "--seed", "7", "--out", out, "--json")
     assert (answer.status, asked, answer.json["kept"]) == (status, [7, 8], holds)

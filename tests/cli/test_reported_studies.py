@@ -6,44 +6,41 @@ import numpy as np
 import pytest
 from matplotlib.figure import Figure
 
-from cartgrasp.cli import study_report
+from cartgrasp.studies import effort, effort_report, safety, safety_report
 from cartgrasp.studies.claims import Claim
 
 from .commands import run
 
-
-class Report:
-    """Of runs that are words."""
-
-    def tables(self, found):
-        return [("By word", ("word", "length"), [(one, str(len(one))) for one in found])]
-
-    def claims(self, found):
-        return [Claim("here", "less", "0.5", found == ["one", "other"])]
-
-    def as_dict(self, one):
-        return {"word": one, "margin": np.pi}
-
-    def figure(self, found):
-        return Figure()
+REPORT = {
+    "tables": lambda found: [("By word", ("word", "length"), [(one, str(len(one))) for one in found])],
+    "claims": lambda found: [Claim("here", "less", "0.5", found == ["one", "other"])],
+    "as_dict": lambda one: {"word": one, "margin": np.pi},
+    "figure": lambda found: Figure(),
+}
+"""Of runs that are words."""
 
 
 @pytest.mark.parametrize("found", [["one", "other"], ["none"]])
 @pytest.mark.parametrize("as_json", [True, False])
-def test_they_are_wired(capsys, tmp_path, found, as_json):
+@pytest.mark.parametrize(("study", "report"), [(effort, effort_report), (safety, safety_report)])
+def test_they_are_wired(capsys, monkeypatch, tmp_path, study, report, found, as_json):
     asked = []
 
     def run_seeds(seeds, workers, tell):
         asked.extend(seeds)
         return found
 
-    out = tmp_path / "x"
-    status = study_report.run_study(("words", "Words"), run_seeds, Report(), out, as_json, 7, 2)
-    assert status == (found == ["none"])
+    monkeypatch.setattr(study, "run_seeds", run_seeds)
+    for name, function in REPORT.items():
+        monkeypatch.setattr(report, name, function)
+    name, out = study.__name__.rpartition(".")[2], tmp_path / "x"
+    flags = ["--json"] if as_json else []
+    answer = run(capsys, "study", name, "--seeds", "2", "--seed", "7", "--out", out, *flags)
+    assert answer.status == (found == ["none"])
     assert asked == [7, 8]
-    assert (out / "words.md").read_text().startswith("# Words")
-    assert (out / "words.png").exists()
-    assert ('"margin"' in capsys.readouterr().out) is as_json
+    assert (out / f"{name}.md").read_text().startswith("# ")
+    assert (out / f"{name}.png").exists()
+    assert ('"margin"' in answer.out) is as_json
 
 
 @pytest.mark.parametrize("name", ["effort", "safety"])
