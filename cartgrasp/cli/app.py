@@ -131,8 +131,10 @@ def estimate(
     A log whose sensors are surely wrong is refused, as by `cartgrasp check`, unless that is accepted.
     """
     from . import estimate as command
+    from .log_inputs import Sources
 
-    raise typer.Exit(command.run(log, cart, method, out, topics, json, coasting, accept or ()))
+    sources = Sources((log,), cart, topics, coasting, tuple(accept or ()))
+    raise typer.Exit(command.run(sources, method, out, json))
 
 
 @app.command()
@@ -188,8 +190,10 @@ def identify(
     Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
     """
     from . import identify as command
+    from .log_inputs import Sources
 
-    raise typer.Exit(command.run(logs, cart, out, topics, json, coasting, accept or ()))
+    sources = Sources(tuple(logs), cart, topics, coasting, tuple(accept or ()))
+    raise typer.Exit(command.run(sources, out, json))
 
 
 # Many parameters: options of one command, which the contract fixes.
@@ -212,7 +216,7 @@ def discrepancy(
     Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
     """
     from . import discrepancy as command
-    from .inputs_file import Sources
+    from .log_inputs import Sources
 
     sources = Sources(tuple(logs), cart, topics, coasting, tuple(accept or ()))
     following = command.NextFile(next_file, speed, duration) if next_file else None

@@ -8,11 +8,10 @@ from pathlib import Path
 from estimation.discrepancy import Diagnosis, diagnose
 from estimation.experiments.manoeuvres import Limits
 
-from .estimate import report_assumed_values
-from .inputs_file import Sources
-from .log_inputs import cart_and_logs
+from .inputs_file import Inputs, following
+from .log_inputs import Sources, cart_and_logs
 from .output import check_writable, print_json, print_table, say, stages
-from .sensors import check_accepted, check_logs
+from .sensors import check_logs
 
 MAX_IMPACTS_SHOWN, MAX_PLACES_SHOWN = 5, 2
 
@@ -35,14 +34,12 @@ def run(
 ) -> int:
     limits = Limits(next_file.speed, next_file.duration) if next_file else None
     if follow is not None:
-        sources = sources.following(follow)
+        sources = following(sources, follow)
     if next_file is not None:
         check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
-    check_accepted(sources.accepted)
-    cart, logs = cart_and_logs(sources.logs, sources.cart, out, sources.topics, sources.coasting)
+    cart, logs = cart_and_logs(sources, out)
     check_logs(logs, cart, sources.accepted, is_told=not as_json)
-    inputs = sources.summed(out) if out is not None else None
-    report_assumed_values(logs, cart)
+    inputs = Inputs.of(sources, out) if out is not None else None
     with stages(f"comparing {cart.name}") as tell:
         found = diagnose(logs, cart, tell, limits=limits)
     if out is not None and inputs is not None:

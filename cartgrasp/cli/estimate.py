@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
@@ -11,21 +11,20 @@ from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.sensor_check.repeated_rows import with_measured_wrenches
 from estimation.whole_log.agreement import against_identify
-from estimation.whole_log.coasting import as_given, prior_of
+from estimation.whole_log.coasting import prior_of
 from estimation.whole_log.replay import Replay, as_replayed, replay
 
-from ..cart_file import load_cart
 from ..checks import unrounded
-from ..errors import DataError, UsageError
-from ..logs import RunLog, read_log, said_to_coast
-from ..logs.coasting import check_pushed, check_said
-from ..logs.emps import rail_cart
+from ..errors import DataError
+from ..logs import RunLog
+from ..logs.coasting import check_pushed
 from ..model import CartModel
 from ..motion import ParameterEstimate
 from ..writing import write_atomically
 from .identifiability_text import identifiable_word, print_health
+from .log_inputs import Sources, cart_and_logs
 from .output import check_writable, print_json, print_table, progress, say
-from .sensors import check_accepted, check_logs
+from .sensors import check_logs
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
     "filter": CartFilter,
@@ -34,26 +33,14 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 }
 
 
-def run(
-    path: Path,
-    cart_path: Path | None,
-    method: str,
-    out: Path | None,
-    topics: Path | None,
-    as_json: bool,
-    coasting: bool = False,
-    accepted: Sequence[str] = (),
-) -> int:
-    check_accepted(accepted)
-    cart = cart_of(path, cart_path)
+def run(sources: Sources, method: str, out: Path | None, as_json: bool) -> int:
     if out is not None:
-        check_writable(out, path, cart_path, topics)
-    log = log_of(path, topics, coasting)
+        check_writable(out, *sources.logs, sources.cart, sources.topics)
+    cart, (log,) = cart_and_logs(sources)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")
-    looks = check_logs([log], cart, accepted, is_told=not as_json)
-    report_assumed_values([log], cart)
-    with progress(f"estimating from {path.name}") as tell:
+    looks = check_logs([log], cart, sources.accepted, is_told=not as_json)
+    with progress(f"estimating from {sources.logs[0].name}") as tell:
         result = _replay(log, cart, method, tell)
     if out is not None:
         write_atomically(out, result.series_csv())
@@ -74,32 +61,6 @@ def _report_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
         return
     for words in told:
         say(f"{log.name}: {words}")
-
-
-def cart_of(path: Path, cart_path: Path | None) -> CartModel:
-    if cart_path is not None:
-        return load_cart(cart_path)
-    if path.suffix.lower() == ".mat":
-        return rail_cart()
-    raise UsageError("--cart is missing: name the cart.yaml with the cart's structure and first guess")
-
-
-def log_of(path: Path, topics: Path | None, coasting: bool) -> RunLog:
-    """A log in which somebody pushes, or that is known to coast."""
-    log = read_log(path, topics)
-    if coasting:
-        return said_to_coast(log)
-    check_said(log)
-    return log
-
-
-def report_assumed_values(logs: Sequence[RunLog], cart: CartModel) -> None:
-    """What can't be learned where nobody pushes."""
-    if logs and (given := as_given(logs, cart)):
-        mass = f"mass ({cart.inertia.mass:g} kg)"
-        body = f"{mass}, CoM and inertia are" if len(given) > 1 else f"{mass} is"
-        rest = "forces are told for them" if len(given) > 1 else "CoM, inertia and forces are told for it"
-        say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body} taken as given, and {rest}")
 
 
 def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:

@@ -13,25 +13,15 @@ from estimation.whole_log.identification import identify as fit
 from ..errors import DataError
 from ..logs import RunLog
 from ..model import CartModel
-from .estimate import print_parameters, report_assumed_values
-from .log_inputs import cart_and_logs
+from .estimate import print_parameters
+from .log_inputs import CART_FILE_NAME, Sources, cart_and_logs
 from .output import print_json, progress, say
-from .sensors import check_accepted, check_logs
+from .sensors import check_logs
 
 
-def run(
-    paths: Sequence[Path],
-    cart_path: Path | None,
-    out: Path | None,
-    topics: Path | None,
-    as_json: bool,
-    coasting: bool = False,
-    accepted: Sequence[str] = (),
-) -> int:
-    check_accepted(accepted)
-    cart, logs = cart_and_logs(paths, cart_path, out, topics, coasting)
-    looks = check_logs(logs, cart, accepted, is_told=not as_json)
-    report_assumed_values(logs, cart)
+def run(sources: Sources, out: Path | None, as_json: bool) -> int:
+    cart, logs = cart_and_logs(sources, out)
+    looks = check_logs(logs, cart, sources.accepted, is_told=not as_json)
     with progress(f"identifying {cart.name}") as tell:
         found = fit(logs, cart, progress=tell)
         found = _held_against_filter(found, logs, cart)
@@ -40,7 +30,7 @@ def run(
     else:
         _print(found)
     if out is not None:
-        say(f"the cart with these values is {found.cart().save(out / 'cart.yaml')}")
+        say(f"the cart with these values is {found.cart().save(out / CART_FILE_NAME)}")
     return 0
 
 

@@ -15,6 +15,7 @@ from pydantic import TypeAdapter, ValidationError
 from ..errors import DataError, UsageError
 from ..logs.provenance import sum_of_all
 from ..writing import write_atomically
+from .log_inputs import Sources
 
 INPUTS_FILE_NAME = "inputs.json"
 
@@ -29,7 +30,7 @@ class Input:
 
 @dataclass(frozen=True)
 class Inputs:
-    """The inputs of one report; `cart` is None where a data set brings its own, `topics` is the map of all bags."""
+    """The sources of one report, with checksums; `cart` is None where a data set brings its own."""
 
     cart: Input | None
     logs: tuple[Input, ...]
@@ -37,41 +38,31 @@ class Inputs:
     coasting: bool = False
     accepted: tuple[str, ...] = ()
 
-    def save(self, folder: Path) -> Path:
-        return write_atomically(folder / INPUTS_FILE_NAME, json.dumps(asdict(self), indent=1) + "\n")
-
-
-@dataclass(frozen=True)
-class Sources:
-    """What a command on whole logs is given."""
-
-    logs: tuple[Path, ...]
-    cart: Path | None = None
-    topics: Path | None = None
-    coasting: bool = False
-    accepted: tuple[str, ...] = ()
-
-    def summed(self, folder: Path) -> Inputs:
-        """The inputs with the checksums of their files as they are now, and paths relative to a report's folder."""
+    @classmethod
+    def of(cls, sources: Sources, folder: Path) -> Inputs:
+        """With the checksums of the files as they are now, and paths relative to a report's folder."""
 
         def told(path: Path) -> Input:
             return Input(os.path.relpath(path.resolve(), folder.resolve()), sum_of_all(path))
 
-        cart, topics = (told(path) if path else None for path in (self.cart, self.topics))
-        return Inputs(cart, tuple(map(told, self.logs)), topics, self.coasting, self.accepted)
+        cart, topics = (told(path) if path else None for path in (sources.cart, sources.topics))
+        return cls(cart, tuple(map(told, sources.logs)), topics, sources.coasting, sources.accepted)
 
-    def following(self, folder: Path) -> Sources:
-        """The sources with the logs of an earlier report before one's own, and with its cart unless another is
-        given."""
-        inputs = _read(folder / INPUTS_FILE_NAME)
-        logs = tuple(_there(folder, one, "log") for one in inputs.logs)
-        return Sources(
-            (*logs, *self.logs),
-            self.cart or (_there(folder, inputs.cart, "cart") if inputs.cart else None),
-            self.topics or (_there(folder, inputs.topics, "topic map") if inputs.topics else None),
-            self.coasting or inputs.coasting,
-            tuple(dict.fromkeys([*inputs.accepted, *self.accepted])),
-        )
+    def save(self, folder: Path) -> Path:
+        return write_atomically(folder / INPUTS_FILE_NAME, json.dumps(asdict(self), indent=1) + "\n")
+
+
+def following(sources: Sources, folder: Path) -> Sources:
+    """The sources with the logs of an earlier report before one's own, and with its cart unless another is given."""
+    inputs = _read(folder / INPUTS_FILE_NAME)
+    logs = tuple(_there(folder, one, "log") for one in inputs.logs)
+    return Sources(
+        (*logs, *sources.logs),
+        sources.cart or (_there(folder, inputs.cart, "cart") if inputs.cart else None),
+        sources.topics or (_there(folder, inputs.topics, "topic map") if inputs.topics else None),
+        sources.coasting or inputs.coasting,
+        tuple(dict.fromkeys([*inputs.accepted, *sources.accepted])),
+    )
 
 
 def _read(path: Path) -> Inputs:

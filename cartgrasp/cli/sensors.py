@@ -8,6 +8,7 @@ from typing import Any
 import numpy as np
 
 from estimation.sensor_check import SUSPICION_KINDS, LogInspection, Suspicion, check_sizes, look_at
+from estimation.whole_log.coasting import as_given
 
 from ..effects.effect import SensorEffect
 from ..errors import DataError, UsageError, printable
@@ -45,8 +46,8 @@ def check_logs(
     logs: Sequence[RunLog], cart: CartModel, accepted: Sequence[str], is_told: bool = True
 ) -> list[dict[str, Any] | None]:
     """Before anything is learned: refuses what surely is wrong, and else tells each log in a few lines, unless JSON
-    alone is asked for. Each as JSON has it, None of one that can't be looked at: what learns from it says itself what
-    it lacks."""
+    alone is asked for, and what is taken as given where nobody pushes. Each look as JSON has it, None of a log that
+    can't be looked at: what learns from it says itself what it lacks."""
     found = [_look(log, cart) for log in logs]
     for log, look in zip(logs, found, strict=True):
         if isinstance(look, LogInspection):
@@ -55,6 +56,7 @@ def check_logs(
         _tell(log, look)
     if is_told:
         _report_unknown_arms(logs, cart)
+    _report_assumed_values(logs, cart)
     return [look.as_dict() if isinstance(look, LogInspection) else None for look in found]
 
 
@@ -67,6 +69,15 @@ def _report_unknown_arms(logs: Sequence[RunLog], cart: CartModel) -> None:
             say(f"{cart.name}: {printable(effect.key)}: no log has that arm; {known}")
 
 
+def _report_assumed_values(logs: Sequence[RunLog], cart: CartModel) -> None:
+    """What can't be learned where nobody pushes."""
+    if logs and (given := as_given(logs, cart)):
+        mass = f"mass ({cart.inertia.mass:g} kg)"
+        body = f"{mass}, CoM and inertia are" if len(given) > 1 else f"{mass} is"
+        rest = "forces are told for them" if len(given) > 1 else "CoM, inertia and forces are told for it"
+        say(f"{', '.join(log.name for log in logs)}: nobody pushes: {body} taken as given, and {rest}")
+
+
 def _look(log: RunLog, cart: CartModel) -> LogInspection | DataError:
     try:
         return checked_log(log, cart)
@@ -76,7 +87,8 @@ def _look(log: RunLog, cart: CartModel) -> LogInspection | DataError:
 
 def _tell(log: RunLog, look: LogInspection | DataError) -> None:
     if isinstance(look, DataError):
-        say(f"{log.name}: {len(log)} rows over {log.duration:.3g} s; its sensors were not judged: {_why(log, look)}")
+        why = str(look).removeprefix(f"{log.name}: ")
+        say(f"{log.name}: {len(log)} rows over {log.duration:.3g} s; its sensors were not judged: {why}")
         return
     seen = look.overview
     of_arms = [
@@ -89,10 +101,6 @@ def _tell(log: RunLog, look: LogInspection | DataError) -> None:
         say(f"  suspected with {one.probability:.2f}, {one.kind}: {one.words}")
     if look.unjudged:
         say(f"  signs, axes and units of its wrenches were not judged: {look.unjudged}")
-
-
-def _why(log: RunLog, error: DataError) -> str:
-    return str(error).removeprefix(f"{log.name}: ")
 
 
 def log_summary(look: LogInspection) -> str:

@@ -13,7 +13,7 @@ import pytest
 
 from benchmarks.sealed.generate import generate
 from cartgrasp import load_cart
-from cartgrasp.cli.inputs_file import Sources
+from cartgrasp.cli.log_inputs import Sources
 from cartgrasp.effects import KNOWN_EFFECTS
 from cartgrasp.logs import read_log, write_log
 

@@ -9,7 +9,7 @@ from typing import ClassVar
 import numpy as np
 import pytest
 
-from cartgrasp.cli import demo, estimate, main, output, plan, simulate, table1
+from cartgrasp.cli import demo, estimate, log_inputs, main, output, plan, simulate, table1
 from cartgrasp.errors import CartgraspError, DataError, PlantError, UsageError
 from cartgrasp.logs import ArmLog, RunLog, read_log
 
@@ -115,8 +115,8 @@ def test_interrupted_within_the_progress_bar(capsys, monkeypatch, tmp_path):
         raise KeyboardInterrupt
 
     pushed = RunLog(np.arange(3.0), np.zeros((3, 3)), None, {"hand": ArmLog(np.ones((3, 3)), np.ones((3, 6)))})
-    monkeypatch.setattr(estimate, "load_cart", lambda path: None)
-    monkeypatch.setattr(estimate, "read_log", lambda path, topics: pushed)
+    monkeypatch.setattr(log_inputs, "load_cart", lambda path: None)
+    monkeypatch.setattr(log_inputs, "read_log", lambda path, topics: pushed)
     monkeypatch.setattr(estimate, "_replay", stop)
     answer = run(capsys, "estimate", "run.csv", "--cart", "cart.yaml", "--json")
     assert answer.status == 130
