@@ -85,11 +85,9 @@ def simulate(
     """A closed-loop run with a cart of yours: writes its log, figures and an animated page."""
     from . import simulate as command
 
-    guards = command.Guards(skid, tip_over, confidence, caution, disturbances)
-    choice = command.Choice(
-        cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed, contacts, guards
-    )
-    raise typer.Exit(command.run(choice, out, json))
+    run = cart, guess, path, reference, plant, arms, speed, force_noise, learn, seed, contacts
+    guards = skid, tip_over, confidence, caution, disturbances
+    raise typer.Exit(command.run(command.Choice(*run, *guards), out, json))
 
 
 @app.command()
@@ -172,7 +170,8 @@ def view(
     """Show a run: an animated page that opens offline, or figures."""
     from . import view as command
 
-    raise typer.Exit(command.run(log, cart, topics, command.Pictures(out, png, svg, pdf, gif, scene), json))
+    asked = {"png": png, "svg": svg, "pdf": pdf, "gif": gif, "scene": scene, "page": out}
+    raise typer.Exit(command.run(log, cart, topics, asked, json))
 
 
 @app.command()
@@ -215,12 +214,14 @@ def discrepancy(
 
     Logs whose sensors are surely wrong are refused, as by `cartgrasp check`, unless that is accepted.
     """
+    from estimation.experiments.manoeuvres import Limits
+
     from . import discrepancy as command
     from .log_inputs import Sources
 
     sources = Sources(tuple(logs), cart, topics, coasting, tuple(accept or ()))
-    following = command.NextFile(next_file, speed, duration) if next_file else None
-    raise typer.Exit(command.run(sources, out, json, follow, following))
+    limits = Limits(speed, duration) if next_file else None
+    raise typer.Exit(command.run(sources, out, json, follow, next_file, limits))
 
 
 @app.command("topics")
@@ -249,7 +250,7 @@ def convert(
     """Write a log in another form: a bag as CSV or Parquet, a run as MCAP; with where it is from beside it."""
     from . import convert as command
 
-    raise typer.Exit(command.run(command.Choice(source, out, topics, salvage), json))
+    raise typer.Exit(command.run(source, out, topics, salvage, json))
 
 
 @app.command()
@@ -280,8 +281,6 @@ def main(arguments: Sequence[str] | None = None) -> int:
         with kernel_listener(KernelProgressLines()):
             status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
         return int(status or 0)
-    except typer.Exit as done:
-        return done.exit_code
     except (typer.Abort, KeyboardInterrupt):
         return _say("interrupted", 130)
     except TyperException as error:

@@ -9,7 +9,6 @@ from typing import Any
 from ..strict_json import finite
 from ..studies.campaigns.campaign import run_campaign
 from ..studies.campaigns.closed_loop import ClosedLoopStudy
-from ..studies.campaigns.logs import LogStudy
 from ..studies.campaigns.results import Results
 from ..studies.campaigns.study_file import read_study
 from ..studies.campaigns.summary import (
@@ -28,14 +27,14 @@ from .study_report import usual_workers
 def run(path: Path, out: Path, workers: int | None, scheduler: str | None, as_json: bool) -> int:
     study = read_study(path)
     make_folder(out)
-    if scheduler is None:
-        done_by: Workers = over_cores(workers or usual_workers())
-    else:
-        done_by = on_cluster(scheduler)
+    done_by: Workers = over_cores(workers or usual_workers()) if scheduler is None else on_cluster(scheduler)
     with progress(study.name) as tell:
         results = run_campaign(study, Results.under(out), done_by, tell)
     with together():
-        summary = _runs(study, results, out) if isinstance(study, ClosedLoopStudy) else _logs(study, results)
+        if isinstance(study, ClosedLoopStudy):
+            summary: RunsSummary | LogsSummary = _runs(results, out)
+        else:
+            summary = LogsSummary.of(results, [str(path) for path in study.paths])
         document = {"name": study.name, **summary.as_dict(), "out": str(out)}
         write_atomically(out / "campaign.json", json.dumps(finite(document), indent=1, allow_nan=False) + "\n")
     if as_json:
@@ -48,18 +47,13 @@ def run(path: Path, out: Path, workers: int | None, scheduler: str | None, as_js
     return 1 if summary.failures else 0
 
 
-def _runs(study: ClosedLoopStudy, results: list[dict[str, Any]], out: Path) -> RunsSummary:
+def _runs(results: list[dict[str, Any]], out: Path) -> RunsSummary:
     summary = RunsSummary.of(results)
-    good = [one for one in results if "failure" not in one]
-    if good:
+    if good := [one for one in results if "failure" not in one]:
         from ..studies.campaigns.plots import save_plot
 
         save_plot(good, [one.name for one in summary.parameters], out)
     return summary
-
-
-def _logs(study: LogStudy, results: list[dict[str, Any]]) -> LogsSummary:
-    return LogsSummary.of(results, [str(path) for path in study.paths])
 
 
 def _print(name: str, summary: RunsSummary | LogsSummary) -> None:

@@ -2,7 +2,6 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
 from pathlib import Path
 
 from estimation.discrepancy import Diagnosis, diagnose
@@ -16,27 +15,19 @@ from .sensors import check_logs
 MAX_IMPACTS_SHOWN, MAX_PLACES_SHOWN = 5, 2
 
 
-@dataclass(frozen=True)
-class NextFile:
-    """Where the next reference goes, and how fast (m/s) and long (s) it may be."""
-
-    path: Path
-    speed: float
-    duration: float
-
-
 def run(
     sources: Sources,
     out: Path | None,
     as_json: bool,
     follow: Path | None = None,
-    next_file: NextFile | None = None,
+    next_file: Path | None = None,
+    limits: Limits | None = None,
 ) -> int:
-    limits = Limits(next_file.speed, next_file.duration) if next_file else None
+    """`limits` are of the reference that goes into `next_file`."""
     if follow is not None:
         sources = following(sources, follow)
     if next_file is not None:
-        check_writable(next_file.path, sources.cart, sources.topics, *sources.logs, option="--next")
+        check_writable(next_file, sources.cart, sources.topics, *sources.logs, option="--next")
     cart, logs = cart_and_logs(sources, out)
     check_logs(logs, cart, sources.accepted, is_told=not as_json)
     inputs = Inputs.of(sources, out) if out is not None else None
@@ -47,7 +38,7 @@ def run(
         inputs.save(out)
         say(f"the report is {out / 'report.html'}, the extended cart {out / 'cart.yaml'}")
     if next_file is not None:
-        _write_next(found, next_file.path, out)
+        _write_next(found, next_file, out)
     if as_json:
         print_json(found.report.as_dict())
     else:

@@ -37,19 +37,8 @@ MAX_ARM_FORCE, MAX_ARM_MOMENT, MAX_FORCE_NOISE = 150.0, 40.0, 1e4
 
 
 @dataclass(frozen=True)
-class Guards:
-    """What keeps the cart on its wheels and its path, as far as it is asked for."""
-
-    skid: float | None = None
-    tip_over: float | None = None
-    confidence: float | None = None
-    caution: bool = False
-    disturbances: bool = False
-
-
-@dataclass(frozen=True)
 class Choice:
-    """The options of the command."""
+    """The options of the command; the last five keep the cart on its wheels and its path."""
 
     cart: Path
     guess: Path | None
@@ -62,7 +51,11 @@ class Choice:
     learn: bool
     seed: int
     contacts: str = FIXED
-    guards: Guards = Guards()
+    skid: float | None = None
+    tip_over: float | None = None
+    confidence: float | None = None
+    caution: bool = False
+    disturbances: bool = False
 
 
 def run(choice: Choice, out: Path, as_json: bool) -> int:
@@ -110,10 +103,10 @@ def build_scenario(choice: Choice) -> Scenario:
         contacts=choice.contacts,
         choosing=Choosing(noise=WrenchNoise(choice.force_noise, moment), min_hand_distance=HAND_PLACE_SPACING / 2),
         regrasp=RegraspTimes(),
-        cart_limits=_cart_limits(choice.guards, guess, arms),
-        confidence=choice.guards.confidence,
-        caution=Caution() if choice.guards.caution else None,
-        disturbances=choice.guards.disturbances,
+        cart_limits=_cart_limits(choice, guess, arms),
+        confidence=choice.confidence,
+        caution=Caution() if choice.caution else None,
+        disturbances=choice.disturbances,
         stretches=way.stretches,
         start_pose=way.start,
         sensors=sensors,
@@ -125,15 +118,15 @@ def build_scenario(choice: Choice) -> Scenario:
     )
 
 
-def _cart_limits(guards: Guards, guess: CartModel, arms: Sequence[Arm]) -> tuple[CartLimit, ...]:
-    asked = (("skid", Skid, guards.skid), ("tip-over", TipOver, guards.tip_over))
+def _cart_limits(choice: Choice, guess: CartModel, arms: Sequence[Arm]) -> tuple[CartLimit, ...]:
+    asked = (("skid", Skid, choice.skid), ("tip-over", TipOver, choice.tip_over))
     limits = {key: partial(limit, value) for key, limit, value in asked if value is not None}
-    if guards.confidence is not None and not limits:
+    if choice.confidence is not None and not limits:
         raise UsageError("--confidence: is of limits of the cart; give --skid or --tip-over beside it")
     try:
-        RobustLimits((), guards.confidence)
+        RobustLimits((), choice.confidence)
     except UsageError as error:
-        raise UsageError(f"--confidence {guards.confidence:g}: {error}") from error
+        raise UsageError(f"--confidence {choice.confidence:g}: {error}") from error
     return limits_for(limits, (guess, arms), lambda key, why: UsageError(f"--{key}: {why}"))
 
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from collections.abc import Mapping
 from pathlib import Path
 
 from estimation import CartFilter
@@ -21,34 +21,18 @@ from ..view.shown_run import ShownRun
 from .output import check_writable, print_json, progress, say
 
 
-@dataclass(frozen=True)
-class Pictures:
-    """Where they go; None is not drawn. A page is written where nothing else is asked for."""
-
-    page: Path | None
-    png: Path | None
-    svg: Path | None
-    pdf: Path | None
-    gif: Path | None
-    scene: Path | None
-
-    def checked(self, log: Path, *read: Path | None) -> dict[str, Path]:
-        """By kind; refused before any work if one can't be written or would replace what is read."""
-        given = {"png": self.png, "svg": self.svg, "pdf": self.pdf, "gif": self.gif, "scene": self.scene}
-        wanted = {kind: path for kind, path in given.items() if path is not None}
-        for kind, path in wanted.items():
-            endings = (".png", ".gif") if kind == "scene" else (f".{kind}",)
-            if path.suffix.lower() not in endings:
-                raise UsageError(f"--{kind} {path}: give a name that ends in {' or '.join(endings)}")
-        if self.page is not None or not wanted:
-            wanted["page"] = self.page or log.with_suffix(".html")
-        for path in wanted.values():
-            check_writable(path, log, *read)
-        return wanted
-
-
-def run(path: Path, cart_path: Path | None, topics: Path | None, pictures: Pictures, as_json: bool) -> int:
-    wanted = pictures.checked(path, cart_path, topics)
+def run(
+    path: Path, cart_path: Path | None, topics: Path | None, asked: Mapping[str, Path | None], as_json: bool
+) -> int:
+    """`asked` tells where pictures go, by kind: png, svg, pdf, gif, scene and page, which is written where nothing is
+    asked for, too."""
+    wanted = {kind: one for kind, one in asked.items() if one is not None} or {"page": path.with_suffix(".html")}
+    for kind, one in wanted.items():
+        endings = (".png", ".gif") if kind == "scene" else (f".{kind}",)
+        if kind != "page" and one.suffix.lower() not in endings:
+            raise UsageError(f"--{kind} {one}: give a name that ends in {' or '.join(endings)}")
+    for one in wanted.values():
+        check_writable(one, path, cart_path, topics)
     cart = None if cart_path is None else load_cart(cart_path)
     log = without_sentinels(read_log(path, topics)).thinned()
     shown = ShownRun.of_log(log, cart, _estimates(log, cart))
@@ -69,22 +53,21 @@ def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
         return replay(told, cart_filter, tell).estimates
 
 
-def _write(shown: ShownRun, wanted: dict[str, Path], title: str) -> None:
-    page, gif, scene = wanted.get("page"), wanted.get("gif"), wanted.get("scene")
-    if page is not None:
-        write_player(shown, page, title)
+def _write(shown: ShownRun, wanted: Mapping[str, Path], title: str) -> None:
+    if "page" in wanted:
+        write_player(shown, wanted["page"], title)
     for kind in ("png", "svg", "pdf"):
         if kind in wanted:
             from ..view.figures import figure_overview, save_figure
 
             save_figure(figure_overview(shown.averaged()), wanted[kind])
-    if gif is not None:
+    if "gif" in wanted:
         from ..view.animation import write_gif
 
-        with progress(f"drawing {gif.name}") as tell:
-            write_gif(shown, gif, tell)
-    if scene is not None:
+        with progress(f"drawing {wanted['gif'].name}") as tell:
+            write_gif(shown, wanted["gif"], tell)
+    if "scene" in wanted:
         from ..view.rendering import write_scene
 
-        with progress(f"rendering {scene.name}") as tell:
-            write_scene(shown, scene, tell)
+        with progress(f"rendering {wanted['scene'].name}") as tell:
+            write_scene(shown, wanted["scene"], tell)
