@@ -10,9 +10,8 @@ from ..cart_file import save_cart
 from ..studies.run_figures import RunFigures
 from ..studies.shopping_cart import first_guess, loaded_cart, scenario
 from .artefacts import save_run
-from .identifiability_text import print_health
 from .output import make_folder, print_json, print_table, progress, say
-from .run_tables import print_run
+from .run_tables import print_health, print_run
 from .warm_up import prepare
 
 

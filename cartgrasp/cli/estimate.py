@@ -2,28 +2,24 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping
 from pathlib import Path
 from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
-from estimation.health import Health
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.sensor_check.repeated_rows import with_measured_wrenches
 from estimation.whole_log.agreement import against_identify
 from estimation.whole_log.coasting import prior_of
 from estimation.whole_log.replay import Replay, as_replayed, replay
 
-from ..checks import unrounded
 from ..errors import DataError
 from ..logs import RunLog
 from ..logs.coasting import check_pushed
 from ..model import CartModel
-from ..motion import ParameterEstimate
 from ..writing import write_atomically
-from .identifiability_text import identifiable_word, print_health
 from .log_inputs import Sources, cart_and_logs
-from .output import check_writable, print_json, print_table, progress, say
+from .output import check_writable, print_json, progress, say
+from .run_tables import print_health, print_parameters
 from .sensors import check_logs
 
 METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
@@ -81,21 +77,3 @@ def _print(result: Replay, prior: Prior) -> None:
     if result.last.covariance is not None:
         for one in identifiability(result.last, prior).untaught:
             print(f"- {one}")
-
-
-def print_parameters(
-    title: str, parameters: Mapping[str, ParameterEstimate], taught: str, health: str = Health.OK
-) -> None:
-    """A table, without what stands as the cart's file has it; `taught` heads its last column."""
-    rows = [
-        [
-            name,
-            f"{unrounded(p.value, p.std):.5g}",
-            f"{p.std:.2g}",
-            p.unit,
-            identifiable_word(p.identifiable, health),
-        ]
-        for name, p in parameters.items()
-        if p.std > 0
-    ]
-    print_table(title, ["parameter", "value", "sd", "unit", taught], rows)

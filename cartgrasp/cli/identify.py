@@ -13,9 +13,9 @@ from estimation.whole_log.identification import identify as fit
 from ..errors import DataError
 from ..logs import RunLog
 from ..model import CartModel
-from .estimate import print_parameters
 from .log_inputs import CART_FILE_NAME, Sources, cart_and_logs
 from .output import print_json, progress, say
+from .run_tables import print_parameters
 from .sensors import check_logs
 
 

@@ -7,8 +7,8 @@ from hypothesis import given
 from hypothesis import strategies as st
 from rich.cells import cell_len
 
-from cartgrasp.cli.estimate import print_parameters
 from cartgrasp.cli.output import _widths, print_table
+from cartgrasp.cli.run_tables import print_parameters
 from cartgrasp.effects import KNOWN_EFFECTS
 from cartgrasp.motion import ParameterEstimate
 

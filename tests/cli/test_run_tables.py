@@ -5,9 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cartgrasp.cli import demo
-from cartgrasp.cli.estimate import print_parameters
-from cartgrasp.cli.identifiability_text import identifiable_word
-from cartgrasp.cli.run_tables import print_run
+from cartgrasp.cli.run_tables import identifiable_word, print_parameters, print_run
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.run_figures import RunFigures
 
