@@ -47,8 +47,7 @@ def run(
 
 
 def _draw(log: RunLog, look: LogInspection, out: Path) -> None:
-    from ..view.figures import save_figure
-    from ..view.log_figure import figure_log
+    from ..view.figures import figure_log, save_figure
 
     save_figure(figure_log(log, [(one.kind, one.where, one.probability) for one in look.suspicions]), out)
     say(f"the picture is {out}")
@@ -84,10 +83,6 @@ def _print(look: LogInspection) -> None:
 
 def _sized(where: str, values: tuple[float | None, float | None], is_small: bool = False) -> str:
     """With units; small ones of motion in thousandths."""
-    units, scale, milli = (
-        (COLUMN_UNITS[where], 1e3, "m")
-        if is_small and where in COLUMN_UNITS
-        else (COLUMN_UNITS.get(where, WRENCH_UNITS), 1, "")
-    )
-    pairs = zip(values, units, strict=True)
+    scale, milli = (1e3, "m") if is_small and where in COLUMN_UNITS else (1.0, "")
+    pairs = zip(values, COLUMN_UNITS.get(where, WRENCH_UNITS), strict=True)
     return ", ".join(f"{scale * value:.2g} {milli}{unit}" for value, unit in pairs if value is not None)

@@ -1,4 +1,4 @@
-"""Whole figures of a run, and how a figure becomes a file."""
+"""Whole figures of a run and of a log, and how a figure becomes a file."""
 
 from __future__ import annotations
 
@@ -8,12 +8,15 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..errors import UsageError
+from ..logs.run_log import RunLog
 from ..writing import write_atomically
 from .plots import (
+    VERMILLION,
     draw_contacts,
     draw_doubt,
     draw_forces,
@@ -23,11 +26,14 @@ from .plots import (
     draw_path,
     draw_tracking_error,
     house_style,
+    plain_text,
 )
 from .shown_run import ShownRun
 from .top_view import draw_top_view
 
 FIGURE_DPI = 160
+MAX_SUSPICIONS_SHOWN = 6
+"""Suspicions in a log's title."""
 SNAPSHOT_FRACTIONS = (0.0, 0.2, 0.4, 0.6, 0.8, 1.0)
 """Shares of the run at which an overview's path shows the cart."""
 UNDATED_METADATA: Mapping[str, dict[str, Any]] = {
@@ -54,7 +60,11 @@ def figure_overview(run: ShownRun) -> Figure:
         draw_path(path, run.pose, run.reference_pose)
         for instant in SNAPSHOT_FRACTIONS:
             draw_top_view(path, run, round(instant * (len(run.time) - 1)), mark_size=2.0)
-        _draw_motion(run, axes)
+        if run.tracking_error is not None:
+            draw_tracking_error(axes["error"], run.time, run.tracking_error)
+        else:
+            draw_motion(axes["speed"], run.time, run.velocity_b[:, :2], ("vx", "vy"), "Velocity in {b} (m/s)")
+            draw_motion(axes["yaw"], run.time, run.velocity_b[:, 2:], ("omega",), "Yaw rate (rad/s)")
         for name in estimated:
             draw_doubt(axes[name], run.time, run.doubtful)
             draw_parameter(axes[name], run.time, run.parameters[name], name, legend=name == estimated[0])
@@ -110,6 +120,34 @@ def figure_arms(run: ShownRun) -> Figure:
     return figure
 
 
+def figure_log(log: RunLog, suspicions: Sequence[tuple[str, str, float]] = ()) -> Figure:
+    """Path, places, headings, velocities, forces and moments; nothing is averaged. `suspicions` are kinds, where, and
+    probabilities, above it."""
+    run = ShownRun.of_log(log)
+    panels = 3 + 2 * bool(run.wrenches)
+    with house_style():
+        figure = Figure(figsize=(9.0, 1.5 * panels + 0.3))
+        path, right = figure.subfigures(1, 2, squeeze=False, width_ratios=(2, 3))[0]
+        draw_path(path.subplots(), run.pose)
+        axes = right.subplots(panels, 1, sharex=True)
+        known = run.pose[np.isfinite(run.pose[:, :2]).all(axis=1), :2]
+        moved = run.pose[:, :2] - (known[0] if len(known) else 0.0)
+        draw_motion(axes[0], run.time, moved, ("x", "y"), "Moved (m)")
+        draw_motion(axes[1], run.time, run.pose[:, 2:], ("theta",), "Heading (rad)")
+        draw_motion(axes[2], run.time, run.velocity_b[:, :2], ("vx", "vy"), "Velocity in {b} (m/s)")
+        if run.wrenches:
+            draw_forces(axes[3], run.time, run.wrenches)
+            draw_moments(axes[4], run.time, run.wrenches)
+        for one in axes[:-1]:
+            one.set_xlabel("")
+        right.align_ylabels()
+        told = [f"{kind}: {plain_text(where)} ({probability:.2f})" for kind, where, probability in suspicions]
+        more = [f"and {len(told) - MAX_SUSPICIONS_SHOWN} more"] if len(told) > MAX_SUSPICIONS_SHOWN else []
+        words = "suspected: " + ", ".join([*told[:MAX_SUSPICIONS_SHOWN], *more]) if told else "nothing is suspected"
+        figure.suptitle(f"{plain_text(log.name, 60)}: {words}", fontsize=9, color=VERMILLION if told else "black")
+    return figure
+
+
 def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     """Writes a figure as its suffix says: `.png` (160 dpi), `.pdf` or `.svg`."""
     kind = Path(path).suffix.lower().removeprefix(".")
@@ -119,14 +157,6 @@ def save_figure(figure: Figure, path: str | os.PathLike[str]) -> Path:
     with house_style():
         figure.savefig(content, format=kind, dpi=FIGURE_DPI, metadata=UNDATED_METADATA[kind])
     return write_atomically(path, content.getvalue())
-
-
-def _draw_motion(run: ShownRun, axes: Mapping[str, Axes]) -> None:
-    if run.tracking_error is not None:
-        draw_tracking_error(axes["error"], run.time, run.tracking_error)
-        return
-    draw_motion(axes["speed"], run.time, run.velocity_b[:, :2], ("vx", "vy"), "Velocity in {b} (m/s)")
-    draw_motion(axes["yaw"], run.time, run.velocity_b[:, 2:], ("omega",), "Yaw rate (rad/s)")
 
 
 def _draw_what_arms_did(run: ShownRun, forces: Axes, moments: Axes, contacts: Axes) -> None:

@@ -16,10 +16,9 @@ from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
 from cartgrasp.simulation.record import RunRecord, Series
-from cartgrasp.view.outline import body_outline
 from cartgrasp.view.player import player_page, write_player
 from cartgrasp.view.player_data import MAX_PLAYER_FRAMES, column, frame_indices, player_data
-from cartgrasp.view.shown_run import ShownRun
+from cartgrasp.view.shown_run import ShownRun, body_outline
 from cartgrasp.wheels import Wheel
 
 HOSTILE = (
