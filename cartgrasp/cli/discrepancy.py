@@ -78,28 +78,7 @@ def _print(found: Diagnosis, is_written: bool) -> None:
     ]
     title = f"The cart, refitted {'(refused: the file stays)' if found.is_refused else 'beside what was added'}"
     print_table(title, ["parameter", "in the file", "value", "sd", "unit", "taught"], rows)
-    rows = [
-        [
-            f"{e.name} {e.label}".strip(),
-            f"{e.probability:.2f}",
-            name,
-            f"{value:.4g}",
-            f"{std:.2g}",
-            unit,
-            ", ".join(e.alike),
-        ]
-        for e in found.effects
-        if e.law is None
-        for name, (value, std, unit) in e.parameters.items()
-    ]
-    if rows:
-        print_table("Added", ["effect", "prob.", "parameter", "value", "sd", "unit", "not told apart from"], rows)
-    for e in found.effects:
-        if e.law is not None:
-            print(
-                f"Added {e.name} {e.label}".rstrip()
-                + f" (prob. {e.probability:.2f}): {e.law.words}; likely {e.law.likely}"
-            )
+    _print_added(found)
     for hint in found.unlisted_wheels:
         print(f"note: {hint}")
     for experiment in found.next_experiment.words[:MAX_PLACES_SHOWN]:
@@ -121,3 +100,19 @@ def _print_impacts(found: Diagnosis) -> None:
         )
         title = f"Sudden changes of motion that no wrench explains, left out of the fits{more}"
         print_table(title, ["t, s", "x, m", "y, m", "speed before, m/s", "after, m/s"], rows, left=0)
+
+
+def _print_added(found: Diagnosis) -> None:
+    """Effects with their parameters, then those of whom the law alone is known."""
+    rows, laws = [], []
+    for e in found.effects:
+        called, probability, alike = f"{e.name} {e.label}".strip(), f"{e.probability:.2f}", ", ".join(e.alike)
+        if e.law is not None:
+            laws.append(f"Added {called} (prob. {probability}): {e.law.words}; likely {e.law.likely}")
+            continue
+        for name, (value, std, unit) in e.parameters.items():
+            rows.append([called, probability, name, f"{value:.4g}", f"{std:.2g}", unit, alike])
+    if rows:
+        print_table("Added", ["effect", "prob.", "parameter", "value", "sd", "unit", "not told apart from"], rows)
+    for law in laws:
+        print(law)

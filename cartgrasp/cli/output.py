@@ -124,12 +124,11 @@ def stages(what: str) -> Iterator[Callable[[str], None]]:
         yield lambda stage: bar.update(task, description=escape(f"{what}: {stage}"))
 
 
-def make_folder(path: Path) -> Path:
+def make_folder(path: Path) -> None:
     try:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--out {path}: can't be made: {error.strerror}; name another folder") from error
-    return path
 
 
 def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> None:

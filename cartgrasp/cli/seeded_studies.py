@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Sequence
+from dataclasses import replace
 from pathlib import Path
 from types import ModuleType
 from typing import Any
@@ -21,8 +22,8 @@ def run(name: str, counted: str, out: Path, as_json: bool, seed: int, count: int
     make_folder(out)
     with progress(doing) as tell:
         found = study(range(seed, seed + count), out, tell)
-    told = Findings(found.sections, {"seed": seed, counted: count, **found.document}, found.promised)
-    return finish((name, heading), f"--seed {seed} --{counted} {count}", told, out, as_json)
+    found = replace(found, document={"seed": seed, counted: count, **found.document})
+    return finish((name, heading), f"--seed {seed} --{counted} {count}", found, out, as_json)
 
 
 def _consistency(seeds: range, out: Path, tell: Tell) -> Findings:

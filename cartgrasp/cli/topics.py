@@ -36,15 +36,8 @@ def run(path: Path, out: Path | None, salvage: bool, as_json: bool, ask: bool, b
         rows = []
         for c in contents:
             times = [f"{(t - start) / 1e9:.3f}" if c.count else "" for t in (c.first, c.last)]
-            rows.append(
-                [
-                    printable(c.name),
-                    printable(c.kind.rpartition("/")[2]),
-                    str(c.count),
-                    f"{c.rate:.1f}" if c.rate else "",
-                    *times,
-                ]
-            )
+            rate, kind = f"{c.rate:.1f}" if c.rate else "", c.kind.rpartition("/")[2]
+            rows.append([printable(c.name), printable(kind), str(c.count), rate, *times])
         print_table(path.name, ["topic", "type", "messages", "Hz", "first, s", "last, s"], rows, left=2)
     for lost in bag.lost:
         say(printable(f"lost: {lost}"))

@@ -26,8 +26,7 @@ def draw_wrench_shadow(
     x, y = np.asarray(vertices).T
     artists: list[Artist] = list(axes.fill(x, y, facecolor=color, alpha=0.25, label=plain_text(label)))
     artists += axes.fill(x, y, facecolor="none", edgecolor=color)
-    axes.set_xlabel(_with_unit(components[0]))
-    axes.set_ylabel(_with_unit(components[1]))
+    axes.set(xlabel=_with_unit(components[0]), ylabel=_with_unit(components[1]))
     return artists
 
 
@@ -46,8 +45,7 @@ def draw_push_map(axes: Axes, standoffs: Array, heights: Array, multiples: Array
             artists.append(axes.text(x, y, words, ha="center", va="center", size=7.5, weight=weight))
     axes.patch.set(hatch="////", facecolor="white", edgecolor="#DDDDDD")
     axes.grid(visible=False)
-    axes.set_xlabel("Arms' bases behind the handle (m)")
-    axes.set_ylabel("Contact height (m)")
+    axes.set(xlabel="Arms' bases behind the handle (m)", ylabel="Contact height (m)")
     return artists
 
 

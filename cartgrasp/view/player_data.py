@@ -6,7 +6,7 @@ each less the one before it. A missing sample is None, and differences go on fro
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
+from collections.abc import Sequence
 from typing import Any
 
 import numpy as np
@@ -141,19 +141,10 @@ def _told(said: Sequence[str], frames: np.ndarray, n: int) -> dict[str, Any] | N
     if not said:
         return None
     words = sorted(set(said), key=_severity)
-    rank: Mapping[str, int] = {word: i for i, word in enumerate(words)}
-    every = np.array([rank[word] for word in said])
-    every = every[(np.arange(n) * len(every)) // n]
+    every = np.array([words.index(word) for word in said])[np.arange(n) * len(said) // n]
     starts = np.concatenate([[0], frames[:-1] + 1])
-    return {
-        "words": words,
-        "grades": [_severity(w)[0] for w in words],
-        "index": _worst(every, starts, frames),
-    }
-
-
-def _worst(ranks: np.ndarray, starts: np.ndarray, stops: np.ndarray) -> list[int]:
-    return [int(ranks[a : b + 1].max()) for a, b in zip(starts, stops, strict=True)]
+    worst = np.maximum.reduceat(every, starts).tolist()
+    return {"words": words, "grades": [_severity(w)[0] for w in words], "index": worst}
 
 
 def _severity(word: str) -> tuple[int, str]:

@@ -77,7 +77,7 @@ def house_style() -> Iterator[None]:
 def draw_tracking_error(axes: Axes, time: Array, error: Array) -> list[Artist]:
     """Distance from the reference, given in m and drawn in cm."""
     artists: list[Artist] = list(axes.plot(time, 100.0 * np.asarray(error), color=GREEN))
-    _label_time(axes, "Tracking error (cm)")
+    axes.set(xlabel="Time (s)", ylabel="Tracking error (cm)")
     axes.set_ylim(bottom=0.0)
     return artists
 
@@ -92,7 +92,7 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     truth = None if series.truth is None else np.broadcast_to(series.truth, value.shape)
     if truth is not None:
         artists += axes.plot(time, truth, color=BLACK, linestyle="--", linewidth=0.9, label="truth")
-    _label_time(axes, f"{_parameter_label(name)} ({_unit(series.unit)})")
+    axes.set(xlabel="Time (s)", ylabel=f"{_parameter_label(name)} ({_unit(series.unit)})")
     _limit_to_lines(axes, [value] if truth is None else [value, truth], value - band, value + band)
     if legend:
         legend_above(axes)
@@ -113,7 +113,7 @@ def draw_motion(axes: Axes, time: Array, columns: Array, names: Sequence[str], l
     artists: list[Artist] = []
     for i, (column, name) in enumerate(zip(np.asarray(columns).T, names, strict=True)):
         artists += axes.plot(time, column, color=MOTION_COLOURS[i], linestyle=COMPONENT_STYLES[i], label=name)
-    _label_time(axes, label)
+    axes.set(xlabel="Time (s)", ylabel=label)
     if len(names) > 1:
         legend_above(axes)
     return artists
@@ -127,8 +127,7 @@ def draw_path(axes: Axes, pose: Array, reference_pose: Array | None = None) -> l
     artists += axes.plot(*pose[:, :2].T, color=GREEN, label="driven")
     artists += axes.plot(*pose[:1, :2].T, color=GREEN, marker="o", markerfacecolor="white", linestyle="none")
     axes.set_aspect("equal", adjustable="datalim")
-    axes.set_xlabel("x (m)")
-    axes.set_ylabel("y (m)")
+    axes.set(xlabel="x (m)", ylabel="y (m)")
     legend_above(axes)
     return artists
 
@@ -141,7 +140,7 @@ def draw_wrenches(axes: Axes, time: Array, wrenches: Mapping[str, Array], compon
     columns = {arm: np.asarray(w)[:, [WRENCH_NAMES.index(c) for c in components]] for arm, w in wrenches.items()}
     is_force = components[0].startswith("f")
     artists = _draw_arms(axes, time, columns, components)
-    _label_time(axes, "Force (N)" if is_force else "Moment (N·m)")
+    axes.set(xlabel="Time (s)", ylabel="Force (N)" if is_force else "Moment (N·m)")
     return artists
 
 
@@ -159,7 +158,7 @@ def draw_contacts(axes: Axes, time: Array, contacts: Mapping[str, Array]) -> lis
     """Where each arm holds the cart: x and y of contact points (n, 3) in {b}."""
     columns = {arm: np.asarray(points)[:, :2] for arm, points in contacts.items()}
     artists = _draw_arms(axes, time, columns, ("x", "y"))
-    _label_time(axes, "Contact in {b} (m)")
+    axes.set(xlabel="Time (s)", ylabel="Contact in {b} (m)")
     return artists
 
 
@@ -185,11 +184,6 @@ def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components
         handles.append(Line2D([], [], color="#555555", linestyle=line_style, label=component))
     legend_above(axes, handles)
     return artists
-
-
-def _label_time(axes: Axes, label: str) -> None:
-    axes.set_xlabel("Time (s)")
-    axes.set_ylabel(label)
 
 
 def _parameter_label(name: str) -> str:

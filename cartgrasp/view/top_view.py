@@ -31,9 +31,7 @@ def draw_top_view(axes: Axes, run: ShownRun, i: int, mark_size: float = 4.0) -> 
     from_b = Affine2D().rotate(theta).translate(x, y)
     artists = _body(axes, run, from_b) + _wheels(axes, run, i, from_b)
     artists += _estimated_com(axes, run, i, from_b) + _arms(axes, run, i, mark_size)
-    axes.set_aspect("equal")
-    axes.set_xlabel("x (m)")
-    axes.set_ylabel("y (m)")
+    axes.set(aspect="equal", xlabel="x (m)", ylabel="y (m)")
     return artists
 
 
