@@ -149,8 +149,10 @@ def check(
     What learns from logs (estimate, identify, discrepancy) asks the same before it begins.
     """
     from . import check as command
+    from .log_inputs import Sources
 
-    raise typer.Exit(command.run(log, cart, accept or (), topics, json, out))
+    sources = Sources((log,), cart, topics, accepted=tuple(accept or ()))
+    raise typer.Exit(command.run(sources, out, json))
 
 
 # Many parameters: options of one command, which the contract fixes.

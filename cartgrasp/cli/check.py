@@ -3,7 +3,6 @@ learned from it."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
 from pathlib import Path
 
 from estimation.sensor_check import REFUSAL_PROBABILITY, REFUSED_KINDS, LogInspection
@@ -11,6 +10,7 @@ from estimation.sensor_check import REFUSAL_PROBABILITY, REFUSED_KINDS, LogInspe
 from ..cart_file import load_cart
 from ..errors import UsageError, printable
 from ..logs import RunLog, read_log
+from .log_inputs import Sources
 from .output import check_writable, print_json, print_table, say
 from .sensors import check_accepted, checked_log, log_summary, refuse_suspicions
 
@@ -19,22 +19,16 @@ WRENCH_UNITS = "N", "N·m"
 PICTURE_SUFFIXES = ".png", ".svg", ".pdf"
 
 
-def run(
-    path: Path,
-    cart_path: Path | None,
-    accepted: Sequence[str],
-    topics: Path | None,
-    as_json: bool,
-    out: Path | None = None,
-) -> int:
+def run(sources: Sources, out: Path | None, as_json: bool) -> int:
     """Raises DataError where something makes every estimate worthless, and isn't accepted."""
-    check_accepted(accepted)
-    cart = None if cart_path is None else load_cart(cart_path)
+    check_accepted(sources.accepted)
+    (path,) = sources.logs
+    cart = None if sources.cart is None else load_cart(sources.cart)
     if out is not None:
         if out.suffix.lower() not in PICTURE_SUFFIXES:
             raise UsageError(f"--out {out}: name a picture, {', '.join(PICTURE_SUFFIXES)}")
-        check_writable(out, path, cart_path, topics)
-    log = read_log(path, topics)
+        check_writable(out, path, sources.cart, sources.topics)
+    log = read_log(path, sources.topics)
     look = checked_log(log, cart)
     if out is not None:
         _draw(log, look, out)
@@ -42,7 +36,7 @@ def run(
         print_json(look.as_dict())
     else:
         _print(look)
-    refuse_suspicions(log, look.suspicions, accepted)
+    refuse_suspicions(log, look.suspicions, sources.accepted)
     return 0
 
 
