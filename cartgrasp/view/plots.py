@@ -92,7 +92,7 @@ def draw_parameter(axes: Axes, time: Array, series: Series, name: str, legend: b
     truth = None if series.truth is None else np.broadcast_to(series.truth, value.shape)
     if truth is not None:
         artists += axes.plot(time, truth, color=BLACK, linestyle="--", linewidth=0.9, label="truth")
-    axes.set(xlabel="Time (s)", ylabel=f"{_parameter_label(name)} ({_unit(series.unit)})")
+    axes.set(xlabel="Time (s)", ylabel=_parameter_label(name, series.unit))
     _limit_to_lines(axes, [value] if truth is None else [value, truth], value - band, value + band)
     if legend:
         legend_above(axes)
@@ -186,11 +186,12 @@ def _draw_arms(axes: Axes, time: Array, columns: Mapping[str, Array], components
     return artists
 
 
-def _parameter_label(name: str) -> str:
+def _parameter_label(name: str, unit: str) -> str:
     """A quantity of the cart by its name; a parameter of an effect below the effect."""
     effect, _, parameter = name.rpartition(".")
-    known = PARAMETER_LABELS.get(name)
-    return known or (f"{plain_text(effect)}\n{plain_text(parameter)}" if effect else plain_text(name))
+    below = f"{plain_text(effect)}\n{plain_text(parameter)}" if effect else plain_text(name)
+    label = PARAMETER_LABELS.get(name, below)
+    return f"{label} ({'–' if unit in ('', '-') else plain_text(unit)})"
 
 
 def legend_above(axes: Axes, handles: Sequence[Artist] | None = None) -> None:
@@ -204,10 +205,6 @@ def legend_above(axes: Axes, handles: Sequence[Artist] | None = None) -> None:
         ncols=int(np.clip(48 // (longest + 5), 1, 6)),
         columnspacing=1.2,
     )
-
-
-def _unit(unit: str) -> str:
-    return "–" if unit in ("", "-") else plain_text(unit)
 
 
 def _limit_to_lines(axes: Axes, lines: Sequence[Array], *edges: Array) -> None:
