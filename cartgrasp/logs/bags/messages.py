@@ -35,8 +35,8 @@ class BadMessageError(ValueError):
 
 
 class Decoder:
-    """A message taken apart part by part: `at` is where the next begins. ROS 2 aligns numbers to their size, counted from
-    behind its four first bytes; ROS 1 packs."""
+    """A message taken apart part by part: `at` is where the next begins. ROS 2 aligns numbers to their size, counted
+    from behind its four first bytes; ROS 1 packs."""
 
     def __init__(self, raw: bytes, is_ros1: bool) -> None:
         if not is_ros1 and (len(raw) < 4 or raw[0] != 0 or raw[1] not in (0, 1)):

@@ -7,7 +7,7 @@ import struct
 from pathlib import Path
 
 from ...errors import LogError, Place
-from ..mapped.reading import MapReading, log_of
+from ..mapped.reading import MapReading
 from .bag import BAG_SUFFIXES, Bag, check_one_recording, storages_in
 from .mcap_records import MCAP_MAGIC, RECORD_HEADER, Op, take_pairs, take_text
 from .salvaged_bag import SalvagedBag
@@ -29,7 +29,7 @@ def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool =
             f"no topic map says which topics are a run; `cartgrasp topics {path} --out {beside(path)[0]}` proposes one"
         )
         raise LogError(Place(str(path)), "", why)
-    return log_of(Selection(bag, map_file, salvage))
+    return Selection(bag, map_file, salvage).read().log()
 
 
 def open_bag(path: Path, salvage: bool = False) -> Bag:

@@ -8,11 +8,11 @@ from dataclasses import dataclass, field
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import LogError
 from ...yaml_file import did_you_mean
 from ..mapped.planar_pose import planar, tilt
 from ..mapped.processing_steps import ProcessingSteps
-from ..mapped.timed_samples import MapPlace, TimedSamples
+from ..mapped.reading import MappedSamples
+from ..mapped.timed_samples import MapPlace, TimedSamples, step_figures
 from .bag import Bag
 from .faults import far_stamps, other_frames, other_values, without
 from .messages import NS_PER_S, ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE
@@ -33,21 +33,8 @@ class Selection:
     map_file: TopicMapFile
     is_salvage: bool
     steps: ProcessingSteps = field(default_factory=ProcessingSteps)
-    tilt: float | None = None
-    """Largest angle between the tracked frame's z and the vertical, rad, once the samples were read."""
 
-    @property
-    def name(self) -> str:
-        return str(self.bag.path)
-
-    @property
-    def lost(self) -> list[str]:
-        return self.bag.lost
-
-    def refuse(self, why: str) -> LogError:
-        return self.bag.refuse(why)
-
-    def read(self) -> dict[MapPlace, TimedSamples]:
+    def read(self) -> MappedSamples:
         keys = dict(self._keys())
         self._check_topics(keys)
         tf_paths = TfPaths(self.bag, self.map_file, self.is_salvage)
@@ -70,16 +57,16 @@ class Selection:
             epoch = max(int(self._stamps(where, found[key]).min()) for where, key in moving)
         self.steps.add("log", "its zero", epoch_ns=epoch, stamps=self.map_file.map.stamps)
         samples = {where: self._along(where, path, found, epoch) for where, path in paths.items()}
-        return samples | self._planar(samples["pose",])
+        pose = samples["pose",]
+        off = tilt(pose.numbers)
+        if off > MAX_TILT:
+            why = f"its frame's z is up to {np.degrees(off):.0f}° off the vertical; name a frame whose z points up"
+            raise self.map_file.refuse(("pose", "topic"), why)
+        samples |= self._planar(pose)
+        return MappedSamples(str(self.bag.path), self.map_file, samples, self.steps, off, self.bag.lost)
 
     def _planar(self, pose: TimedSamples) -> dict[MapPlace, TimedSamples]:
         """Poses (n, 3) of the tracked frame, and the twist (n, 3) of it in itself if the map wants that."""
-        self.tilt = tilt(pose.numbers)
-        if self.tilt > MAX_TILT:
-            why = (
-                f"its frame's z is up to {np.degrees(self.tilt):.0f}° off the vertical; name a frame whose z points up"
-            )
-            raise self.map_file.refuse(("pose", "topic"), why)
         found: dict[MapPlace, TimedSamples] = {("pose",): TimedSamples(pose.time, planar(pose.numbers))}
         if self.map_file.map.pose.velocity == "twist":
             found["velocity",] = TimedSamples(pose.time, pose.numbers[:, [7, 8, 12]])
@@ -98,7 +85,7 @@ class Selection:
         for link, samples in moving:
             if len(samples.time) < 2:
                 raise self.bag.refuse("was sent once; one that holds for ever is one of tf_static", link.name)
-            step = float(np.median(np.diff(samples.time)))
+            step = samples.usual_step
             if step > self.map_file.map.max_gap:
                 why = f"{link.name} has a transform every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
@@ -176,9 +163,7 @@ class Selection:
             "repeated_stamps": int((~first).sum()),
             "missing": int(np.isnan(samples.numbers).all(axis=1).sum()),
         }
-        if len(time) > 1:
-            figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
-        self.steps.add(of, samples.kind, **figures)
+        self.steps.add(of, samples.kind, **figures, **step_figures(time))
         return TimedSamples(time, samples.numbers[order][first], is_static(samples.topic))
 
 

@@ -2,12 +2,13 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Protocol
+from typing import Any
 
 import numpy as np
 
-from ...errors import LogError
+from ...errors import LogError, Place, printable
 from ...frames import Array
 from ..run_log import ArmLog, RunLog
 from .planar_pose import of_body, spline_velocity, world_velocity
@@ -22,27 +23,6 @@ MAX_TARE_MOTION, MAX_TARE_ROTATION = 0.005, 0.01
 MAX_ROWS_PER_SAMPLE = 50
 
 
-class Source(Protocol):
-    """Samples by their place in a map: poses (n, 3) of the tracked frame, its twist (n, 3) in itself where the map
-    wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` (rad) is None where all is planar."""
-
-    steps: ProcessingSteps
-    tilt: float | None
-
-    @property
-    def name(self) -> str: ...
-
-    @property
-    def map_file(self) -> MapFile[Any]: ...
-
-    @property
-    def lost(self) -> list[str]: ...
-
-    def read(self) -> dict[MapPlace, TimedSamples]: ...
-
-    def refuse(self, why: str) -> LogError: ...
-
-
 @dataclass(frozen=True)
 class MapReading:
     """A log, how it came about, and what was lost on the way."""
@@ -53,18 +33,21 @@ class MapReading:
     lost: tuple[str, ...]
 
 
-def log_of(source: Source) -> MapReading:
-    return _Reading(source, source.map_file, source.read(), source.steps).done()
-
-
 @dataclass(frozen=True)
-class _Reading:
-    source: Source
-    map_file: MapFile[Any]
-    samples: dict[MapPlace, TimedSamples]
-    steps: ProcessingSteps
+class MappedSamples:
+    """Samples of the bag or the table `name` by their place in its map: poses (n, 3) of the tracked frame, its twist
+    (n, 3) in itself where the map wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` is the
+    largest angle between the tracked frame's z and the vertical, rad; None where all is planar."""
 
-    def done(self) -> MapReading:
+    name: str
+    map_file: MapFile[Any]
+    samples: Mapping[MapPlace, TimedSamples]
+    steps: ProcessingSteps
+    tilt: float | None = None
+    lost: Sequence[str] = ()
+
+    def log(self) -> MapReading:
+        """The run log of them, with how it came about."""
         map_ = self.map_file.map
         self._check_steps()
         tracked = self._tracked()
@@ -81,12 +64,12 @@ class _Reading:
             self.steps.add(name, "wrenches on the log's clock", **figures)
             arms[name] = ArmLog(self._contact(name, arm, time), rows.rows)
         notes = {f"step {i + 1}": str(step) for i, step in enumerate(self.steps.done)}
-        log = RunLog(time, pose.rows, velocity, arms, self.source.name, notes)
-        return MapReading(log, map_, tuple(self.steps.done), tuple(self.source.lost))
+        log = RunLog(time, pose.rows, velocity, arms, self.name, notes)
+        return MapReading(log, map_, tuple(self.steps.done), tuple(self.lost))
 
     def _check_steps(self) -> None:
         for where, samples in self.samples.items():
-            step = float(np.median(np.diff(samples.time))) if len(samples.time) > 1 else 0.0
+            step = samples.usual_step
             if step > self.map_file.map.max_gap and len(where) < 3:
                 why = f"{'.'.join(where)} has a sample every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
@@ -98,8 +81,8 @@ class _Reading:
         turned = pose[:, 2][np.isfinite(pose[:, 2])]
         wraps = round(float(np.ptp(turned)) / (2 * np.pi)) if len(turned) else 0
         figures: dict[str, float | int | str] = {"whole_turns": wraps}
-        if self.source.tilt is not None:
-            figures = {"largest_tilt_deg": float(np.degrees(self.source.tilt)), **figures}
+        if self.tilt is not None:
+            figures = {"largest_tilt_deg": float(np.degrees(self.tilt)), **figures}
         self.steps.add("pose", "planar pose of {b}, yaw unwrapped", **figures)
         return TimedSamples(samples.time, pose)
 
@@ -144,7 +127,7 @@ class _Reading:
         start, end = max(first for first, _ in spans.values()), min(last for _, last in spans.values())
         if start > end:
             said = ", ".join(f"{'.'.join(where)} from {a:.3f} to {b:.3f} s" for where, (a, b) in spans.items())
-            raise self.source.refuse(f"its parts have no time in common: {said}")
+            raise self._refuse(f"its parts have no time in common: {said}")
         if isinstance(map_.clock, str):
             times = self.samples[("pose",) if map_.clock == "pose" else ("arms", map_.clock)].time
             kept = times[(times >= start) & (times <= end)]
@@ -154,10 +137,11 @@ class _Reading:
             kept = self._even(map_.clock, start, end)
             self.steps.add("log", "rows at an even rate", rows=len(kept), rate_Hz=map_.clock)
         if not len(kept):
-            raise self.source.refuse(
-                f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are"
-            )
+            raise self._refuse(f"no stamp of {map_.clock} between {start:.3f} and {end:.3f} s, where all topics are")
         return kept
+
+    def _refuse(self, why: str) -> LogError:
+        return LogError(Place(self.name), "", printable(why))
 
     def _even(self, rate: float, start: float, end: float) -> Array:
         rows = (end - start) * rate

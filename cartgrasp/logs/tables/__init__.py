@@ -4,14 +4,14 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from ..mapped.reading import MapReading, log_of
+from ..mapped.reading import MapReading
 from .source import TableSource
 from .table_map import TableMap, TableMapFile, load_table_map, table_map_from_text
 
 
 def read_table_log(path: Path, topics: str | Path) -> MapReading:
     """A table's log with how it came about."""
-    return log_of(TableSource(path, load_table_map(topics)))
+    return TableSource(path, load_table_map(topics)).read().log()
 
 
 __all__ = ["TableMap", "TableMapFile", "TableSource", "load_table_map", "read_table_log", "table_map_from_text"]

@@ -10,11 +10,10 @@ from typing import Any
 import numpy as np
 from numpy.typing import NDArray
 
-from ...errors import LogError, Place, printable
 from ...frames import Array, unwrapped
 from ..mapped.processing_steps import ProcessingSteps
-from ..mapped.timed_samples import MapPlace as Where
-from ..mapped.timed_samples import TimedSamples
+from ..mapped.reading import MappedSamples
+from ..mapped.timed_samples import MapPlace, TimedSamples, step_figures
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
 from .table_file import Table, read_table
 from .table_map import (
@@ -44,20 +43,11 @@ class TableSource:
     path: Path
     map_file: TableMapFile
     steps: ProcessingSteps = field(default_factory=ProcessingSteps)
-    tilt: float | None = None
-    lost: list[str] = field(default_factory=list)
     tables: dict[Path, Table] = field(default_factory=dict)
 
-    @property
-    def name(self) -> str:
-        return str(self.path)
-
-    def refuse(self, why: str) -> LogError:
-        return LogError(Place(self.name), "", printable(why))
-
-    def read(self) -> dict[Where, TimedSamples]:
+    def read(self) -> MappedSamples:
         map_ = self.map_file.map
-        found: dict[Where, TimedSamples] = {}
+        found: dict[MapPlace, TimedSamples] = {}
         pose = map_.pose
         has_velocity = pose.velocity == "columns"
         names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
@@ -72,13 +62,13 @@ class TableSource:
             )
         for name, arm in map_.arms.items():
             found |= self._arm(name, arm)
-        return found
+        return MappedSamples(str(self.path), self.map_file, found, self.steps)
 
-    def _arm(self, name: str, arm: TableArm) -> dict[Where, TimedSamples]:
+    def _arm(self, name: str, arm: TableArm) -> dict[MapPlace, TimedSamples]:
         where = ("arms", name)
         rest = 0.0 if arm.unmeasured == "zero" else np.nan
         values = [getattr(arm, part) if part in (arm.measures or ()) else rest for part in WRENCH_COLUMNS]
-        found: dict[Where, TimedSamples] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
+        found: dict[MapPlace, TimedSamples] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
         if isinstance(arm.contact, ContactColumns):
             points = [getattr(arm.contact, part) for part in CONTACT_COLUMNS]
             found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, CONTACT_COLUMNS, arm.latency)
@@ -86,7 +76,7 @@ class TableSource:
 
     def _clocked(
         self,
-        where: Where,
+        where: MapPlace,
         part: TablePart,
         values: Sequence[Value | QuaternionEntry],
         names: Sequence[str],
@@ -106,12 +96,11 @@ class TableSource:
         _check_clock(table, entry, time, lines)
         said = {name: _said(value) for name, value in zip(names, values, strict=True) if isinstance(value, ColumnEntry)}
         figures: dict[str, Any] = {"role": ".".join(where), "samples": len(time), "latency_s": latency, **said}
-        if len(time) > 1:
-            figures |= {"median_step_s": float(np.median(np.diff(time))), "largest_gap_s": float(np.diff(time).max())}
+        figures |= step_figures(time)
         self.steps.add(Path(table.name).name, "columns", **figures)
         return TimedSamples(time - latency, numbers)
 
-    def _table(self, where: Where, part: TablePart) -> Table:
+    def _table(self, where: MapPlace, part: TablePart) -> Table:
         path, layout = self.path, self.map_file.map.table
         if part.file is not None:
             path, layout = self.path.parent / part.file, part.table
