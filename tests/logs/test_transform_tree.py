@@ -7,9 +7,8 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cartgrasp.logs.bags.likely_path import likely_path
 from cartgrasp.logs.bags.transform_chain import composed
-from cartgrasp.logs.bags.transform_tree import BadTreeError, NoPathError, TransformTree, frames_on, usual
+from cartgrasp.logs.bags.transform_tree import BadTreeError, NoPathError, TransformTree, frames_on, likely_path, usual
 from cartgrasp.logs.mapped.processing_steps import ProcessingSteps
 from cartgrasp.logs.mapped.timed_samples import TimedSamples
 

@@ -12,7 +12,6 @@ from ...errors import printable
 from ...frames import Array
 from ..mapped.planar_pose import planar
 from .bag import Bag
-from .likely_path import likely_path
 from .messages import (
     DECODERS,
     NS_PER_S,
@@ -25,7 +24,7 @@ from .messages import (
     decode,
 )
 from .topic_samples import MAX_MEASUREMENT, frames_of
-from .transform_tree import arrow, frames_on
+from .transform_tree import arrow, frames_on, likely_path
 
 MAX_NOISE_SAMPLES = 20_000
 """Samples of a topic that its noise is read off."""

@@ -25,17 +25,16 @@ class TfPaths:
     def find(self, asked: Mapping[MapPlace, Key]) -> dict[MapPlace, list[Link]]:
         topics = {near for topic, _ in asked.values() for near in self._near(topic)}
         counts = links_in(self.bag, topics, set(asked.values())) if asked else {}
-        return {where: self._path(where, key, counts) for where, key in asked.items()}
+        paths = {where: [Link(k)] if k in counts else self._chain(where, k, counts) for where, k in asked.items()}
+        pose = ("pose",)
+        if pose in paths and all(link.is_static for link in paths[pose]):
+            ends = " and ".join(asked[pose][1])
+            raise self.map_file.refuse(pose, f"nothing moves between {ends}: {paths[pose][0].name} is static")
+        return paths
 
     def _near(self, topic: str) -> list[str]:
         """The TF topics whose transforms belong to one tree."""
         return [near for near in dict.fromkeys(with_static(topic)) if self.bag.kinds.get(near) in TF_TYPES]
-
-    def _path(self, where: MapPlace, key: Key, counts: Mapping[Key, int]) -> list[Link]:
-        path = [Link(key)] if key in counts else self._chain(where, key, counts)
-        if where == ("pose",) and all(link.is_static for link in path):
-            raise self.map_file.refuse(where, f"nothing moves between {' and '.join(key[1])}: {path[0].name} is static")
-        return path
 
     def _chain(self, where: MapPlace, key: Key, counts: Mapping[Key, int]) -> list[Link]:
         topic, (frame, child) = key

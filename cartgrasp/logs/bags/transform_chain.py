@@ -22,8 +22,10 @@ def composed(
     moving = [i for i, link in enumerate(links) if not link.is_static]
     time, figures = np.zeros(1), {"samples": 1}
     if moving:
-        inside = _inside([links[i] for i in moving])
-        fastest, time = max(zip(moving, inside, strict=True), key=lambda pair: len(pair[1]))
+        start, end = common_span([links[i] for i in moving])
+        inside = {i: links[i].time[(links[i].time >= start) & (links[i].time <= end)] for i in moving}
+        fastest = max(moving, key=lambda i: len(inside[i]))
+        time = inside[fastest]
         figures = {"samples": len(time), "left_out": len(links[fastest].time) - len(time)}
     found = [at_stamps(link, time, max_gap) for link in links]
     for i in moving:
@@ -38,12 +40,6 @@ def composed(
 def common_span(moving: Sequence[TimedSamples]) -> tuple[float, float]:
     """From when all have begun until the first ends."""
     return max(c.span()[0] for c in moving), min(c.span()[1] for c in moving)
-
-
-def _inside(moving: Sequence[TimedSamples]) -> list[Array]:
-    """The stamps of each while all last."""
-    start, end = common_span(moving)
-    return [c.time[(c.time >= start) & (c.time <= end)] for c in moving]
 
 
 def at_stamps(link: TimedSamples, at: Array, max_gap: float) -> Resampled:

@@ -9,6 +9,8 @@ from typing import NamedTuple
 from .topic_samples import Frames, Key
 
 MAX_FRAMES_SHOWN = 10
+BASE_FRAMES = ("base_link", "base_footprint")
+"""Names that ROS gives to mobile bases (REP 105)."""
 
 
 class Link(NamedTuple):
@@ -95,6 +97,22 @@ def usual(counts: Mapping[Key, int]) -> set[Key]:
         if child not in most or counts[key] > counts[most[child]]:
             most[child] = key
     return set(most.values())
+
+
+def likely_path(counts: Mapping[Key, int]) -> list[Link]:
+    """The transforms that most likely tell a cart's pose: from the frame without parent down to the base, else to the
+    frame that is sent most often; none where nothing moves."""
+    moving = {key: count for key, count in counts.items() if not is_static(key[0])}
+    if not moving:
+        return []
+    busiest = max(moving, key=lambda key: moving[key])
+    tree = TransformTree(key for key in counts if key[0] in with_static(busiest[0]))
+    bases = [frame for base in BASE_FRAMES for frame in tree.frames if frame.rpartition("/")[2] == base]
+    try:
+        path = [Link(key) for key in reversed(tree.above(bases[0] if bases else busiest[1][1]))]
+    except BadTreeError:
+        path = []
+    return path if not all(link.is_static for link in path) else [Link(busiest)]
 
 
 def frames_on(path: Iterable[Link]) -> list[str]:
