@@ -39,14 +39,8 @@ class TopicSamples:
         return len(self.stamp)
 
     def only(self, rows: NDArray[np.bool_]) -> TopicSamples:
-        return replace(
-            self,
-            message=self.message[rows],
-            stamp=self.stamp[rows],
-            received=self.received[rows],
-            numbers=self.numbers[rows],
-            frames=self.frames[rows],
-        )
+        columns = ("message", "stamp", "received", "numbers", "frames")
+        return replace(self, **{name: getattr(self, name)[rows] for name in columns})
 
     def wrong(self) -> tuple[NDArray[np.bool_], str]:
         """Samples that are no measurements, and why the first is none; NaN is a missing one."""

@@ -30,14 +30,9 @@ ODOMETRY_TOPIC, TF_TOPIC = "/cart/odometry", "/tf"
 
 def write_mcap(log: RunLog, path: str | Path) -> Path:
     """Times are kept to 1 ns; a velocity in a row without heading, or that is known in part only, is lost."""
-    return write_atomically(path, mcap_of(log))
-
-
-def mcap_of(log: RunLog) -> bytes:
     from .whole_bag import definition
 
-    epoch = _epoch(log)
-    stamps = _stamps(log, epoch)
+    epoch, stamps = _stamps(log)
     names = _ros_names(list(log.arms))
     file = McapFile({METADATA_NAME: {MAP_KEY: _map(log, names, epoch)}}, "cartgrasp")
     odometry = file.channel(ODOMETRY_TOPIC, ODOMETRY_TYPE, definition(ODOMETRY_TYPE))
@@ -48,32 +43,27 @@ def mcap_of(log: RunLog) -> bytes:
     readings = {arm: arm_log.wrench.tolist() for arm, arm_log in log.arms.items()}
     for i, stamp in enumerate(stamps):
         pose = tuple(poses[i])
-        file.message(
-            odometry, stamp, encode(Sample(stamp, WORLD_FRAME, CART_FRAME, pose + tuple(twists[i])), ODOMETRY_TYPE)
-        )
+        motion = Sample(stamp, WORLD_FRAME, CART_FRAME, pose + tuple(twists[i]))
+        file.message(odometry, stamp, encode(motion, ODOMETRY_TYPE))
         sent = [Sample(stamp, WORLD_FRAME, CART_FRAME, pose)]
         for arm in log.arms:
             sent.append(Sample(stamp, CART_FRAME, names[arm], (*contacts[arm][i], 0.0, 0.0, 0.0, 1.0)))
             reading = Sample(stamp, names[arm], "", tuple(readings[arm][i]))
             file.message(wrenches[arm], stamp, encode(reading, WRENCH_TYPE))
         file.message(tf, stamp, encode_transforms(sent))
-    return file.done()
+    return write_atomically(path, file.done())
 
 
-def _epoch(log: RunLog) -> int:
-    """ns to be added to the log's times so that none is negative."""
-    return max(0, math.ceil(-float(log.time[0]))) * NS_PER_S
-
-
-def _stamps(log: RunLog, epoch: int) -> list[int]:
+def _stamps(log: RunLog) -> tuple[int, list[int]]:
+    """ns that are added to the log's times so that none is negative, and the times with them."""
+    epoch = max(0, math.ceil(-float(log.time[0]))) * NS_PER_S
     if log.time[-1] + epoch / NS_PER_S >= MAX_STAMP_SECONDS:
-        raise DataError(
-            f"{log.name}: its times reach beyond what ROS can stamp, {MAX_STAMP_SECONDS:.0f} s; begin them near 0"
-        )
+        why = f"its times reach beyond what ROS can stamp, {MAX_STAMP_SECONDS:.0f} s; begin them near 0"
+        raise DataError(f"{log.name}: {why}")
     stamps = [round(t * NS_PER_S) + epoch for t in log.time.tolist()]
     if any(b <= a for a, b in pairwise(stamps)):
         raise DataError(f"{log.name}: rows less than 1 ns apart can't be written as MCAP")
-    return stamps
+    return epoch, stamps
 
 
 def _poses(log: RunLog) -> np.ndarray:
