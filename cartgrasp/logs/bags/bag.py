@@ -15,6 +15,10 @@ BAG_SUFFIXES = (".bag", *STORAGES)
 SALVAGE_HINT = "`cartgrasp convert --salvage` keeps what can be read"
 
 
+RawMessage = tuple[str, str, int, bytes]
+"""Topic, type, time of receipt in ns, and bytes."""
+
+
 class Message(NamedTuple):
     """One message as it was stored; `number` counts from 1 within its topic, `received` is in ns."""
 
@@ -42,14 +46,16 @@ class Bag(ABC):
         return LogError(Place(str(self.path)), printable(topic), printable(why))
 
 
-def storages_in(folder: Path) -> list[Path]:
-    """The files of a recorder's folder, in the order in which they were written: run_0, run_1, …, run_10."""
+def storages_in(path: Path) -> list[Path]:
+    """The file itself, or those of a recorder's folder in the order in which they were written: run_0, …, run_10."""
+    if not path.is_dir():
+        return [path]
 
-    def order(path: Path) -> tuple[int, str]:
-        number = path.stem.rpartition("_")[2]
-        return (int(number) if number.isascii() and number.isdigit() else 0, path.name)
+    def order(file: Path) -> tuple[int, str]:
+        number = file.stem.rpartition("_")[2]
+        return (int(number) if number.isascii() and number.isdigit() else 0, file.name)
 
-    return sorted((p for p in folder.iterdir() if p.suffix.lower() in STORAGES and p.is_file()), key=order)
+    return sorted((p for p in path.iterdir() if p.suffix.lower() in STORAGES and p.is_file()), key=order)
 
 
 def check_one_recording(path: Path) -> None:

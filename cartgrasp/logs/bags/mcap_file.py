@@ -3,17 +3,12 @@
 from __future__ import annotations
 
 import struct
-import sys
 import zlib
 from collections import Counter
 from dataclasses import dataclass, field
 
 from .mcap_records import CHUNK_HEADER, FOOTER, MCAP_MAGIC, MESSAGE_HEADER, Op, pairs, record, text
-
-if sys.version_info >= (3, 14):
-    from compression import zstd
-else:
-    from backports import zstd
+from .unpacking import zstd
 
 CHUNK_SIZE = 1 << 20
 STATISTICS = struct.Struct("<QHIIIIQQ")

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 import os
 import struct
+from itertools import islice
 from pathlib import Path
 
 from ...errors import LogError, Place
 from ..mapped.reading import MapReading
 from .bag import BAG_SUFFIXES, Bag, check_one_recording, storages_in
-from .mcap_records import MCAP_MAGIC, RECORD_HEADER, Op, take_pairs, take_text
+from .mcap_records import MCAP_MAGIC, Op, records, take_pairs, take_text
 from .salvaged_bag import SalvagedBag
 from .selection import Selection
 from .topic_map import TopicMapFile, beside, load_topic_map, topic_map_from_text
@@ -25,10 +26,8 @@ def read_bag(path: str | Path, topics: str | Path | None = None, salvage: bool =
     bag = open_bag(path, salvage)
     map_file = map_of(path) if topics is None else load_topic_map(topics)
     if map_file is None:
-        why = (
-            f"no topic map says which topics are a run; `cartgrasp topics {path} --out {beside(path)[0]}` proposes one"
-        )
-        raise LogError(Place(str(path)), "", why)
+        proposing = f"`cartgrasp topics {path} --out {beside(path)[0]}` proposes one"
+        raise LogError(Place(str(path)), "", f"no topic map says which topics are a run; {proposing}")
     return Selection(bag, map_file, salvage).read().log()
 
 
@@ -63,20 +62,17 @@ def map_of(path: Path) -> TopicMapFile | None:
 
 def embedded_map(path: Path) -> str | None:
     """The map in a bag's first record of metadata, where cartgrasp writes it."""
-    files = storages_in(path) if path.is_dir() else [path]
+    files = storages_in(path)
     if len(files) != 1 or files[0].suffix.lower() != ".mcap":
         return None
     try:
         with open(files[0], "rb") as stream:
-            if stream.read(len(MCAP_MAGIC)) != MCAP_MAGIC:
-                return None
-            for wanted in (Op.HEADER, Op.METADATA):
-                op, size = RECORD_HEADER.unpack(stream.read(RECORD_HEADER.size))
-                if op != wanted or size > MAX_MAP_BYTES:
-                    return None
-                content = stream.read(size)
-        name, at = take_text(content, 0)
-        pairs = take_pairs(take_text(content, at)[0]) if name == METADATA_NAME.encode() else {}
+            beginning = stream.read(MAX_MAP_BYTES)
+        first = list(islice(records(beginning, len(MCAP_MAGIC)), 2))
+        if not beginning.startswith(MCAP_MAGIC) or [one.op for one in first] != [Op.HEADER, Op.METADATA]:
+            return None
+        name, at = take_text(first[1].content, 0)
+        pairs = take_pairs(take_text(first[1].content, at)[0]) if name == METADATA_NAME.encode() else {}
         return pairs.get(MAP_KEY)
     except (OSError, struct.error, UnicodeDecodeError):
         return None

@@ -8,7 +8,7 @@ import zlib
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from .bag import message_kind
+from .bag import RawMessage, message_kind
 from .mcap_records import (
     CHUNK_HEADER,
     FILE_END_SIZE,
@@ -25,9 +25,6 @@ from .unpacking import unpacked
 CHUNK_START = re.compile(rb"\x06.{6}\0\0.{28}(?:\x04\0\0\0zstd|\x03\0\0\0lz4|\0\0\0\0)", re.DOTALL)
 LAST_OP = max(Op)
 
-RawMessage = tuple[str, str, int, bytes]
-"""Topic, type, time of receipt in ns, and bytes."""
-
 
 @dataclass
 class McapSalvage:
@@ -39,25 +36,27 @@ class McapSalvage:
     channels: dict[int, tuple[str, str]] = field(default_factory=dict)
 
     def messages(self) -> Iterator[RawMessage]:
-        if self.data[: len(MCAP_MAGIC)] != MCAP_MAGIC:
+        at, last = len(MCAP_MAGIC), False
+        if not self.data.startswith(MCAP_MAGIC):
             self.lost.append("its beginning is not that of an MCAP file")
+            at = 0
         self._learn_from_end()
-        at, last = 0 if self.data[: len(MCAP_MAGIC)] != MCAP_MAGIC else len(MCAP_MAGIC), False
         while at < len(self.data) and not last:
             op, size = RECORD_HEADER.unpack_from(self.data, at) if at + RECORD_HEADER.size <= len(self.data) else (0, 0)
             end = at + RECORD_HEADER.size + size
             if not 0 < op <= LAST_OP or (end > len(self.data) and self._later_chunk(at + 1) is not None):
-                at = self._skip(at)
+                after = self._later_chunk(at + 1) or len(self.data)
+                self.lost.append(f"{after - at} bytes from byte {at} on are no records")
+                at = after
                 continue
             content = self.data[at + RECORD_HEADER.size : end]
             if end > len(self.data):
-                self.lost.append(
-                    f"from byte {at} on it is cut off: {end - len(self.data)} bytes of a record are missing"
-                )
+                missing = end - len(self.data)
+                self.lost.append(f"from byte {at} on it is cut off: {missing} bytes of a record are missing")
             last = op in (Op.DATA_END, Op.FOOTER) or end > len(self.data)
             yield from self._record(op, content, at)
             at = end
-        if self.data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
+        if not self.data.endswith(MCAP_MAGIC):
             self.lost.append("its end with the index is missing")
 
     def _record(self, op: int, content: bytes, at: int) -> Iterator[RawMessage]:
@@ -65,7 +64,8 @@ class McapSalvage:
             if op == Op.CHUNK:
                 yield from self._chunk(content, at)
             elif op == Op.MESSAGE:
-                yield self._message(content)
+                channel, _, received, _ = MESSAGE_HEADER.unpack_from(content)
+                yield *self.channels[channel], received, content[MESSAGE_HEADER.size :]
             else:
                 self._learn(op, content)
         except (struct.error, UnicodeDecodeError, KeyError) as error:
@@ -86,11 +86,6 @@ class McapSalvage:
         for inner in records(raw):
             yield from self._record(inner.op, inner.content, at) if inner.op != Op.CHUNK else ()
 
-    def _message(self, content: bytes) -> RawMessage:
-        channel, _, received, _ = MESSAGE_HEADER.unpack_from(content)
-        topic, kind = self.channels[channel]
-        return topic, kind, received, content[MESSAGE_HEADER.size :]
-
     def _learn(self, op: int, content: bytes) -> None:
         if op == Op.SCHEMA:
             (number,) = struct.unpack_from("<H", content)
@@ -101,7 +96,7 @@ class McapSalvage:
 
     def _learn_from_end(self) -> None:
         """Schemas and channels as the summary repeats them, for where those in the data are lost."""
-        if len(self.data) < FILE_END_SIZE or self.data[-len(MCAP_MAGIC) :] != MCAP_MAGIC:
+        if len(self.data) < FILE_END_SIZE or not self.data.endswith(MCAP_MAGIC):
             return
         summary, _, _ = FOOTER.unpack_from(self.data, len(self.data) - FILE_END_SIZE + RECORD_HEADER.size)
         if not 0 < summary < len(self.data):
@@ -111,13 +106,6 @@ class McapSalvage:
                 self._learn(found.op, found.content)
             except (struct.error, UnicodeDecodeError):
                 return
-
-    def _skip(self, at: int) -> int:
-        """Where the walk goes on after bytes that are no record."""
-        after = self._later_chunk(at + 1)
-        end = len(self.data) if after is None else after
-        self.lost.append(f"{end - at} bytes from byte {at} on are no records")
-        return end
 
     def _later_chunk(self, at: int) -> int | None:
         for match in CHUNK_START.finditer(self.data, at):

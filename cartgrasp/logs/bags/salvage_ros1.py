@@ -6,7 +6,7 @@ import struct
 from collections.abc import Iterator
 from dataclasses import dataclass, field
 
-from .bag import message_kind
+from .bag import RawMessage, message_kind
 from .messages import NS_PER_S
 from .unpacking import unpacked
 
@@ -14,8 +14,6 @@ ROSBAG_MAGIC = b"#ROSBAG V2.0\n"
 OP_MESSAGE, OP_CHUNK, OP_CONNECTION = 2, 5, 7
 LENGTH_STRUCT = struct.Struct("<I")
 TIME_STRUCT = struct.Struct("<II")
-
-RawMessage = tuple[str, str, int, bytes]
 
 
 @dataclass
@@ -43,16 +41,19 @@ class Ros1Salvage:
                 self.lost.append(f"{place}{len(data) - at} bytes from byte {at} on are no records: {error}")
                 return
             if end > len(data):
-                self.lost.append(
-                    f"{place}from byte {at} on it is cut off: {end - len(data)} bytes of a record are missing"
-                )
+                missing = end - len(data)
+                self.lost.append(f"{place}from byte {at} on it is cut off: {missing} bytes of a record are missing")
             try:
                 if op == OP_CHUNK and not chunk:
                     yield from self._chunk(fields, body, at)
                 elif op == OP_CONNECTION:
-                    self._connection(fields, body)
+                    (number,) = LENGTH_STRUCT.unpack(fields[b"conn"])
+                    about = _fields(body)
+                    self.connections[number] = fields[b"topic"].decode(), message_kind(about[b"type"].decode())
                 elif op == OP_MESSAGE and end <= len(data):
-                    yield self._message(fields, body)
+                    seconds, nanoseconds = TIME_STRUCT.unpack(fields[b"time"])
+                    (number,) = LENGTH_STRUCT.unpack(fields[b"conn"])
+                    yield *self.connections[number], seconds * NS_PER_S + nanoseconds, body
             except (struct.error, KeyError, UnicodeDecodeError) as error:
                 self.lost.append(f"{place}the record at byte {at} can't be read: {error}")
             at = end
@@ -63,16 +64,6 @@ class Ros1Salvage:
         if len(raw) != size:
             self.lost.append(f"the chunk at byte {at}: {len(raw)} of {size} bytes could be unpacked")
         yield from self._records(raw, 0, at)
-
-    def _connection(self, fields: dict[bytes, bytes], body: bytes) -> None:
-        (number,) = LENGTH_STRUCT.unpack(fields[b"conn"])
-        about = _fields(body)
-        self.connections[number] = fields[b"topic"].decode(), message_kind(about[b"type"].decode())
-
-    def _message(self, fields: dict[bytes, bytes], body: bytes) -> RawMessage:
-        seconds, nanoseconds = TIME_STRUCT.unpack(fields[b"time"])
-        topic, kind = self.connections[LENGTH_STRUCT.unpack(fields[b"conn"])[0]]
-        return topic, kind, seconds * NS_PER_S + nanoseconds, body
 
 
 def _record(data: bytes, at: int) -> tuple[dict[bytes, bytes], bytes, int]:

@@ -6,10 +6,10 @@ from collections import Counter
 from collections.abc import Collection, Iterator
 from pathlib import Path
 
-from .bag import Bag, Message, storages_in
+from .bag import Bag, Message, RawMessage, storages_in
 from .salvage_mcap import McapSalvage
 from .salvage_ros1 import Ros1Salvage
-from .salvage_sqlite import salvage_sqlite
+from .sqlite_file import salvage_sqlite
 
 
 class SalvagedBag(Bag):
@@ -17,37 +17,33 @@ class SalvagedBag(Bag):
 
     def __init__(self, path: Path) -> None:
         super().__init__(path)
-        self._found: list[tuple[str, str, int, bytes]] = []
-        files = storages_in(path) if path.is_dir() else [path]
-        for file in files:
-            for found in self._walk(file):
-                self.kinds.setdefault(found[0], found[1])
+        for topic, kind, _, _ in self._walk():
+            self.kinds.setdefault(topic, kind)
 
     def messages(self, topics: Collection[str] | None = None) -> Iterator[Message]:
         numbers: Counter[str] = Counter()
-        files = storages_in(self.path) if self.path.is_dir() else [self.path]
-        self.lost = []
         others: Counter[tuple[str, str]] = Counter()
-        for file in files:
-            for topic, kind, received, raw in self._walk(file):
-                numbers[topic] += 1
-                if topics is not None and topic not in topics:
-                    continue
-                if kind == self.kinds[topic]:
-                    yield Message(topic, kind, numbers[topic], received, raw)
-                else:
-                    others[topic, kind] += 1
+        self.lost = []
+        for topic, kind, received, raw in self._walk():
+            numbers[topic] += 1
+            if topics is not None and topic not in topics:
+                continue
+            if kind == self.kinds[topic]:
+                yield Message(topic, kind, numbers[topic], received, raw)
+            else:
+                others[topic, kind] += 1
         self.lost += [
             f"{topic}: {n} messages of another type, {kind or 'unknown'}" for (topic, kind), n in others.items()
         ]
 
-    def _walk(self, file: Path) -> Iterator[tuple[str, str, int, bytes]]:
+    def _walk(self) -> Iterator[RawMessage]:
         try:
-            if file.suffix.lower() == ".db3":
-                yield from salvage_sqlite(file, self.lost)
-            elif file.suffix.lower() == ".mcap":
-                yield from McapSalvage(file.read_bytes(), self.lost).messages()
-            else:
-                yield from Ros1Salvage(file.read_bytes(), self.lost).messages()
+            for file in storages_in(self.path):
+                if file.suffix.lower() == ".db3":
+                    yield from salvage_sqlite(file, self.lost)
+                elif file.suffix.lower() == ".mcap":
+                    yield from McapSalvage(file.read_bytes(), self.lost).messages()
+                else:
+                    yield from Ros1Salvage(file.read_bytes(), self.lost).messages()
         except OSError as error:
             raise self.refuse(f"can't be read: {error.strerror or error}") from error

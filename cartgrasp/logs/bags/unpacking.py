@@ -9,9 +9,9 @@ from typing import Any
 import lz4.frame
 
 if sys.version_info >= (3, 14):
-    from compression import zstd
+    from compression import zstd as zstd
 else:
-    from backports import zstd
+    from backports import zstd as zstd
 
 MAX_UNPACKED_BYTES = 1 << 30
 UNPACKED_PIECE_BYTES = 1 << 14

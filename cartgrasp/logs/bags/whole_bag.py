@@ -5,7 +5,6 @@ from __future__ import annotations
 
 import sqlite3
 import struct
-import sys
 import zlib
 from collections import Counter
 from collections.abc import Collection, Iterator, Sequence
@@ -23,14 +22,9 @@ from rosbags.typesys import Stores, get_typestore
 from ruamel.yaml.error import YAMLError
 
 from .bag import SALVAGE_HINT, Bag, Message, message_kind, storages_in
-from .mcap_records import profile_of
-from .mcap_sums import check_sums
-from .sqlite_size import check_size
-
-if sys.version_info >= (3, 14):
-    from compression import zstd
-else:
-    from backports import zstd
+from .mcap_records import check_sums, profile_of
+from .sqlite_file import check_size
+from .unpacking import zstd
 
 READER_ERRORS = (
     *(ReaderError1, ReaderError2, apsw.Error, sqlite3.Error, struct.error, zlib.error, zstd.ZstdError, YAMLError),
@@ -86,11 +80,10 @@ class WholeBag(Bag):
             if self.is_ros1:
                 readers = [Reader1(self.path)]
             else:
-                is_folder = self.path.is_dir()
-                files = storages_in(self.path) if is_folder else [self.path]
+                files = storages_in(self.path)
                 for file in files:
                     self._check_file(file)
-                has_metadata = is_folder and (self.path / "metadata.yaml").is_file()
+                has_metadata = (self.path / "metadata.yaml").is_file()
                 readers = [Reader2(p) for p in ([self.path] if has_metadata else files)]
             yield [stack.enter_context(reader) for reader in readers]
 
@@ -98,15 +91,14 @@ class WholeBag(Bag):
         if file.suffix.lower() == ".mcap":
             check_sums(file)
             if (profile := profile_of(file)) != "ros2":
-                raise self.refuse(
-                    f"{file.name} has the profile {profile!r}, not 'ros2', so its messages may be others; "
-                    f"{SALVAGE_HINT}"
-                )
+                why = f"{file.name} has the profile {profile!r}, not 'ros2', so its messages may be others"
+                raise self.refuse(f"{why}; {SALVAGE_HINT}")
         if file.suffix.lower() == ".db3":
             check_size(file)
         for ending in JOURNAL_SUFFIXES:
-            if file.with_name(file.name + ending).exists() and file.with_name(file.name + ending).stat().st_size:
-                why = f"{file.name}{ending} holds messages that were not put into it; open and close it with sqlite3"
+            journal = file.with_name(file.name + ending)
+            if journal.exists() and journal.stat().st_size:
+                why = f"{journal.name} holds messages that were not put into it; open and close it with sqlite3"
                 raise self.refuse(why)
 
     @contextmanager
