@@ -5,7 +5,6 @@ from __future__ import annotations
 import re
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass, replace
-from pathlib import Path
 
 import numpy as np
 
@@ -15,7 +14,7 @@ from ..table_map import DIMENSIONS
 from ..units import UNITS
 from .columns import Column, FileColumns
 from .evidence import MassRegression, Motion, mass_regression
-from .motion_units import Entry, one_of_several, time_unit
+from .motion_units import Clock, Entry, one_of_several
 from .proposed_value import ProposedValue
 
 PLAUSIBLE_MASSES = (0.3, 3000.0)
@@ -33,13 +32,11 @@ PROPOSED_ZERO = ProposedValue(0.0)
 
 @dataclass(frozen=True, eq=False)
 class Arm:
-    """One sensor: its file with its clock (s), its columns by component, and what is said of them."""
+    """One sensor: its file with its clock, its columns by component, and what is said of them."""
 
     name: str
     file: FileColumns
-    time: Array
-    time_column: Column | None
-    time_unit: ProposedValue
+    clock: Clock
     columns: Mapping[str, Column]
     force: ProposedValue = UNKNOWN_FORCE_CONVENTION
     yaw: ProposedValue = PROPOSED_ZERO
@@ -79,7 +76,7 @@ class Arm:
     def si(self, component: str) -> Array:
         """(n,), as far as its unit is told; zero if it isn't measured."""
         if component not in self.columns:
-            return np.zeros(len(self.time))
+            return np.zeros(len(self.clock.time))
         unit = self.unit(component).value
         size = UNITS[DIMENSIONS[component]][str(unit)] if unit is not None else 1.0
         return self.columns[component].said * size
@@ -89,41 +86,14 @@ def arms_of(files: Sequence[FileColumns]) -> list[Arm]:
     """The arms in all files, with names that differ."""
     found: list[Arm] = []
     for file in files:
-        column = time_of(file)
-        unit = ProposedValue(None) if column is None else time_unit(column)
-        time = np.arange(len(file.table.lines)) / 100.0
-        if column is not None:
-            time = column.said * UNITS["time"][str(unit.value)]
+        words = [] if file is files[0] else re.split(r"[^a-z]+", file.path.stem.lower())
+        telling, clock = [word for word in words if word and word not in FILE_WORDS], Clock.of(file)
         for group, columns in file.arms.items():
-            if any(component in columns for component in WRENCH_COLUMNS):
-                name = (
-                    (f"arm{group}" if group.isdigit() else group)
-                    or (_stem_words(file.path) if file is not files[0] else "")
-                    or "arm"
-                )
-                found.append(Arm(_free(name, found), file, time, column, unit, columns))
+            name = f"arm{group}" if group.isdigit() else group or (telling[-1] if telling else "arm")
+            taken = {one.name for one in found} | {"pose"}
+            free = next(n for n in (name, *(f"{name}_{k}" for k in range(2, 99))) if n not in taken)
+            found.append(Arm(free, file, clock, columns))
     return found
-
-
-def time_of(file: FileColumns) -> Column | None:
-    """The first that always rises, else the first."""
-    columns = file.of_role("t")
-    return next((c for c in columns if _rises(c.said)), columns[0] if columns else None)
-
-
-def _rises(times: Array) -> bool:
-    there = times[np.isfinite(times)]
-    return len(there) > 1 and bool((np.diff(there) > 0).all())
-
-
-def _stem_words(path: Path) -> str:
-    words = [w for w in re.split(r"[^a-z]+", path.stem.lower()) if w and w not in FILE_WORDS]
-    return words[-1] if words else ""
-
-
-def _free(name: str, others: Sequence[Arm]) -> str:
-    names = {one.name for one in others} | {"pose"}
-    return next(n for n in (name, *(f"{name}_{k}" for k in range(2, 99))) if n not in names)
 
 
 def judged(arms: Sequence[Arm], motion: Motion | None, time: Array, heading: Array | None) -> list[Arm]:
@@ -140,7 +110,7 @@ def judged(arms: Sequence[Arm], motion: Motion | None, time: Array, heading: Arr
 
 
 def _total(arms: Sequence[Arm], motion: Motion, component: str, lag: float = 0.0) -> Array:
-    parts = [motion.smoothed(arm.time - lag, arm.si(component)) for arm in arms]
+    parts = [motion.smoothed(arm.clock.time - lag, arm.si(component)) for arm in arms]
     return np.asarray(np.sum(parts, axis=0))
 
 
@@ -148,42 +118,31 @@ def _told(arm: Arm, fx: MassRegression | None, fy: MassRegression | None) -> Arm
     if fx is not None and fx.is_sure:
         return replace(arm, force=_sign(fx))
     if fy is not None and fy.is_sure and (fx is None or fy.explained > fx.explained + 0.3):
-        why = (
-            "fy, not fx, goes with how the cart speeds up: the sensor's y points along the cart, forwards or backwards"
-        )
-        quarter = -np.pi / 2 if fy.mass > 0 else np.pi / 2
-        return replace(
-            arm, yaw=ProposedValue(round(float(quarter), 4), False, why), force=ProposedValue("on_cart", False, why)
-        )
+        where = "the sensor's y points along the cart, forwards or backwards"
+        why = f"fy, not fx, goes with how the cart speeds up: {where}"
+        quarter = round(float(-np.pi / 2 if fy.mass > 0 else np.pi / 2), 4)
+        return replace(arm, yaw=ProposedValue(quarter, False, why), force=ProposedValue("on_cart", False, why))
     return arm
 
 
 def _sign(fx: MassRegression) -> ProposedValue:
     """A pushed cart speeds up by the force on it, and costs work."""
-    mass = f"it tells {abs(fx.mass):.3g} kg"
+    mass, side = f"{abs(fx.mass):.3g} kg", "on_cart" if fx.mass > 0 else "on_sensor"
     if not PLAUSIBLE_MASSES[0] <= abs(fx.mass) <= PLAUSIBLE_MASSES[1]:
-        return ProposedValue("on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}: look at units")
+        return ProposedValue(side, False, f"it tells {mass}: look at units")
     if fx.mass > 0 and fx.power > 0:
-        return ProposedValue("on_cart", True, f"the cart speeds up with fx ({abs(fx.mass):.3g} kg)")
+        return ProposedValue(side, True, f"the cart speeds up with fx ({mass})")
     if fx.mass < 0 and fx.power < 0:
-        why = f"the cart slows down with fx ({abs(fx.mass):.3g} kg): felt by the sensor, or its x points backwards"
-        return ProposedValue("on_sensor", False, why)
-    return ProposedValue(
-        "on_cart" if fx.mass > 0 else "on_sensor", False, f"{mass}, but takes work out of it: look at signs"
-    )
+        why = f"the cart slows down with fx ({mass}): felt by the sensor, or its x points backwards"
+        return ProposedValue(side, False, why)
+    return ProposedValue(side, False, f"it tells {mass}, but takes work out of it: look at signs")
 
 
 def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> ProposedValue:
     """The latency (s) of an arm with a clock of its own that begins at zero as the other does. It is sure to be 0 where
     forces fit the motion best without a lag."""
-    begins = float(np.nanmin(arm.time)), float(np.nanmin(time))
-    if (
-        arm.time is time
-        or arm.time_column is None
-        or (len(arm.time) == len(time) and np.array_equal(arm.time, time, equal_nan=True))
-    ):
-        return ProposedValue(0.0)
-    if min(begins) > 1000:
+    own, begins = arm.clock.time, min(float(np.nanmin(arm.clock.time)), float(np.nanmin(time)))
+    if arm.clock.column is None or np.array_equal(own, time, equal_nan=True) or begins > 1000:
         return ProposedValue(0.0)
     lags = np.arange(-MAX_CLOCK_LAG, MAX_CLOCK_LAG + 0.05, 0.1)
     fits = [mass_regression(motion, along, _total([arm], motion, "fx", float(lag))) for lag in lags]

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, field
 
 import numpy as np
@@ -74,15 +75,39 @@ def time_unit(column: Column) -> ProposedValue:
     return ProposedValue(likely[0] if likely else "s", False, why)
 
 
+@dataclass(frozen=True, eq=False)
+class Clock:
+    """A file's column of times with its unit, and the times (n,), s: a hundred rows a second where there is none."""
+
+    column: Column | None
+    unit: ProposedValue
+    time: Array
+
+    @classmethod
+    def of(cls, file: FileColumns) -> Clock:
+        """By the first column of times that always rises, else the first."""
+        columns = file.of_role("t")
+        if not columns:
+            return cls(None, ProposedValue(None, False), np.arange(len(file.table.lines)) / 100.0)
+        column = next((c for c in columns if _rises(c.said)), columns[0])
+        unit = time_unit(column)
+        return cls(column, unit, column.said * UNITS["time"][str(unit.value)])
+
+    @property
+    def rate(self) -> float:
+        """Hz; 0 where it doesn't run."""
+        steps = np.diff(self.time[np.isfinite(self.time)])
+        return 1 / float(np.median(steps)) if len(steps) and np.median(steps) > 0 else 0.0
+
+
 class MotionUnits:
     """Decides step by step; `notes` are what was seen on the way, `offset` (rad) is {b}'s in the tracked frame."""
 
-    def __init__(self, file: FileColumns, time: Column | None) -> None:
+    def __init__(self, file: FileColumns) -> None:
         self.file, self.notes = file, list[str]()
         self.offset = ProposedValue(0.0)
-        self.time_column = time
-        self.time_unit = ProposedValue(None, False) if time is None else time_unit(time)
-        self.time = np.arange(len(file.table.lines)) / 100.0 if time is None else self._seconds()
+        self.clock = Clock.of(file)
+        self.time = self.clock.time
         roles = {role: first_of(file.of_role(role)) for role in ("x", "y", "theta", "vx", "vy", "omega")}
         if roles["x"][0] is None and not file.arms:
             roles |= {axis: first_of(file.of_role(f"p{axis}")) for axis in ("x", "y")}
@@ -91,23 +116,18 @@ class MotionUnits:
         self.columns = {role: column for role, (column, _) in roles.items()}
         self.is_only = {role: only for role, (_, only) in roles.items()}
         self.lengths = {role: self._length(role) for role in ("x", "y")}
-        self.motion = self._motion()
+        self.motion = self._motion_in([UNITS["length"][str(self.lengths[role].value or "m")] for role in ("x", "y")])
+        if self.motion is None and self.columns["x"] is not None:
+            self.notes.append("positions are too few, or the clock goes back: units and signs could not be looked at")
         self.heading = self._heading()
         self.frame, self.velocity = self._velocity()
 
-    def _seconds(self) -> Array:
-        assert self.time_column is not None
-        return self.time_column.said * UNITS["time"][str(self.time_unit.value)]
-
-    def raw(self, role: str) -> Array | None:
-        column = self.columns[role]
-        return None if column is None else column.said
-
-    def _raw_motion(self) -> Motion | None:
-        x, y = self.raw("x"), self.raw("y")
+    def _motion_in(self, factors: Sequence[float] = (1.0, 1.0)) -> Motion | None:
+        """The motion whose coordinates are so many times what the columns hold; None where they tell none."""
+        x, y = self.columns["x"], self.columns["y"]
         if x is None:
             return None
-        return motion_of(self.time, x, np.zeros_like(x) if y is None else y)
+        return motion_of(self.time, factors[0] * x.said, np.zeros_like(x.said) if y is None else factors[1] * y.said)
 
     def _length(self, role: str) -> ProposedValue:
         column = self.columns[role]
@@ -117,7 +137,7 @@ class MotionUnits:
             return ProposedValue(None, False, f"its label says {column.odd}")
         if column.unit is None and _wraps(column.said, 360.0):
             return ProposedValue(None, False, "it wraps at 360: a wheel's angle? then {column, unit: deg, radius: m}")
-        motion = self._raw_motion()
+        motion = self._motion_in()
         top = 0.0 if motion is None else motion.top_speed
         if column.unit is not None:
             speed = top * UNITS["length"][column.unit]
@@ -134,7 +154,7 @@ class MotionUnits:
         """The unit of length with which differences of positions are as large as labelled velocities, along either
         frame; None where they don't tell."""
         vx, vy = self.columns["vx"], self.columns["vy"]
-        if vx is None or vx.unit is None or not self.time_unit.is_sure:
+        if vx is None or vx.unit is None or not self.clock.unit.is_sure:
             return None
         recorded = vx.said**2 if vy is None else vx.said**2 + vy.said**2
         speed = motion.on(self.time, np.sqrt(recorded) * UNITS["speed"][vx.unit])
@@ -143,16 +163,6 @@ class MotionUnits:
         if unit is None or agreement < 0.97:
             return None
         return ProposedValue(unit, True, f"as {vx.title} says how fast it goes")
-
-    def _motion(self) -> Motion | None:
-        x, y = self.raw("x"), self.raw("y")
-        if x is None:
-            return None
-        factors = [UNITS["length"][str(self.lengths[role].value or "m")] for role in ("x", "y")]
-        motion = motion_of(self.time, factors[0] * x, np.zeros_like(x) if y is None else factors[1] * y)
-        if motion is None:
-            self.notes.append("positions are too few, or the clock goes back: units and signs could not be looked at")
-        return motion
 
     def _heading(self) -> Entry:
         column = self.columns["theta"]
@@ -181,9 +191,8 @@ class MotionUnits:
             return ProposedValue(None, False, f"its label says {column.odd}")
         if column.unit is not None:
             is_odd = told is not None and column.unit in ("deg", "rad") and told != column.unit
-            return ProposedValue(
-                column.unit, not is_odd, f"but in {told} it goes where the cart goes" if is_odd else ""
-            )
+            why = f"but in {told} it goes where the cart goes" if is_odd else ""
+            return ProposedValue(column.unit, not is_odd, why)
         if told is not None:
             return ProposedValue(told, True, "as the way turns")
         if _wraps(column.said, 360.0):
@@ -193,13 +202,12 @@ class MotionUnits:
         if (by_rate := self._angle_by_rate(column)) is not None:
             return by_rate
         largest = float(np.nanmax(np.abs(column.said)))
-        return ProposedValue(
-            "deg" if largest > 7 else "rad", False, f"no unit is in its name; it goes up to {largest:.3g}"
-        )
+        why = f"no unit is in its name; it goes up to {largest:.3g}"
+        return ProposedValue("deg" if largest > 7 else "rad", False, why)
 
     def _angle_by_rate(self, column: Column) -> ProposedValue | None:
         omega = self.columns["omega"]
-        if omega is None or omega.unit is None or self.motion is None or not self.time_unit.is_sure:
+        if omega is None or omega.unit is None or self.motion is None or not self.clock.unit.is_sure:
             return None
         recorded = self.motion.on(self.time, omega.said * UNITS["rate"][omega.unit])
         for unit, period in (("deg", 360.0), ("rad", 2 * np.pi)):
@@ -233,27 +241,22 @@ class MotionUnits:
         if seen is None or seen.agreement < 0.8:
             self.notes.append("velocities are left out: they are no differences of the positions")
             return ProposedValue(None), {}
-        frame = ProposedValue(
-            seen.frame, seen.is_clear, "" if seen.is_clear else "a way this straight doesn't tell them apart"
-        )
-        entries = {"vx": self._speed(vx, seen.factors[0], vx)}
-        entries["vy"] = (
-            Entry(None, constant=ProposedValue(0.0, False, "no column has it; wheels on an axle forbid it"))
-            if vy is None
-            else self._speed(vy, seen.factors[1], vx)
-        )
-        entries["omega"] = self._rate(omega)
-        return frame, entries
+        why = "" if seen.is_clear else "a way this straight doesn't tell them apart"
+        sideways = Entry(None, constant=ProposedValue(0.0, False, "no column has it; wheels on an axle forbid it"))
+        return ProposedValue(seen.frame, seen.is_clear, why), {
+            "vx": self._speed(vx, seen.factors[0], vx),
+            "vy": sideways if vy is None else self._speed(vy, seen.factors[1], vx),
+            "omega": self._rate(omega),
+        }
 
     def _speed(self, column: Column, factor: float, first: Column) -> Entry:
         """The entry of a velocity column, with its sign and unit by how much it is larger than differences of
         positions."""
         label, ref = column.unit or first.unit, one_of_several(column, self.is_only[column.role])
-        sign = (
-            ProposedValue(1) if factor > 0 else ProposedValue(-1, False, "it falls where the cart goes the other way")
-        )
-        size = abs(factor)
-        is_sure = self.time_unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
+        sign, size = ProposedValue(1), abs(factor)
+        if not factor > 0:
+            sign = ProposedValue(-1, False, "it falls where the cart goes the other way")
+        is_sure = self.clock.unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
         if label is not None:
             fits = abs(size - 1) < 0.25
             why = "" if fits else f"it is {size:.3g} times what differences of positions are"
@@ -274,9 +277,9 @@ class MotionUnits:
         size = UNITS["rate"][label or "rad/s"]
         factor, agreement = scale(size * self.motion.on(self.time, column.said), truth)
         is_seen = abs(agreement) > 0.8
-        sign = (
-            ProposedValue(-1, False, "it falls where the heading grows") if is_seen and factor < 0 else ProposedValue(1)
-        )
+        sign = ProposedValue(1)
+        if is_seen and factor < 0:
+            sign = ProposedValue(-1, False, "it falls where the heading grows")
         if label is not None:
             fits = not is_seen or abs(abs(factor) - 1) < 0.25
             why = "" if fits else f"it is {abs(factor):.3g} times what differences of headings are"
@@ -284,8 +287,13 @@ class MotionUnits:
         unit = near(1 / abs(factor), "rate") if is_seen else None
         if unit is None:
             return Entry(ref, ProposedValue("rad/s", False, "no unit is in its name"), sign)
-        is_sure = self.time_unit.is_sure and self.heading.unit.is_sure
+        is_sure = self.clock.unit.is_sure and self.heading.unit.is_sure
         return Entry(ref, ProposedValue(unit, is_sure, "as differences of headings"), sign)
+
+
+def _rises(times: Array) -> bool:
+    steps = np.diff(times[np.isfinite(times)])
+    return len(steps) > 0 and bool((steps > 0).all())
 
 
 def _wraps(column: Array, period: float) -> bool:
@@ -298,6 +306,5 @@ def _wraps(column: Array, period: float) -> bool:
 def _length_by_size(top: float) -> ProposedValue:
     """A guess, by how fast a cart is pushed; `top` is the 95th percentile of its speed, a second."""
     unit = "m" if top < MAX_LIKELY_SPEED else "cm" if top < 25 else "mm"
-    return ProposedValue(
-        unit, False, f"no unit is in its name; the cart would go {top * UNITS['length'][unit]:.3g} m/s"
-    )
+    speed = top * UNITS["length"][unit]
+    return ProposedValue(unit, False, f"no unit is in its name; the cart would go {speed:.3g} m/s")

@@ -13,9 +13,9 @@ from ....errors import LogError, printable
 from ...csv_log import PAGE
 from ..table_map import TableFormat
 from .columns import FileColumns
-from .forces import Arm, arms_of, component_entry, judged, time_of
+from .forces import Arm, arms_of, component_entry, judged
 from .layout import Layout
-from .motion_units import Entry, MotionUnits, one_of_several, time_unit
+from .motion_units import Clock, Entry, MotionUnits, one_of_several
 from .proposed_value import ProposedValue, word
 
 MAP_HEADER = f"""\
@@ -64,15 +64,18 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     main = FileColumns.of(path)
     files = [main, *_siblings(main, others)]
     posed = next((file for file in files if file.has_pose), main)
-    units = MotionUnits(posed, time_of(posed))
+    units = MotionUnits(posed)
     heading = units.heading_rad() if units.heading.column else _ahead(units)
     sensors = [replace(arm, length=str(units.lengths["x"].value or "m")) for arm in arms_of(files)]
     arms = judged(sensors, units.motion, units.time, heading)
     writer = _Writer([MAP_HEADER.format(name=printable(path.name)).rstrip()])
     _layout(writer, "", main.layout)
     _time(writer, "", main)
-    writer.add(f"clock: {_clock(units, arms)}", "whose times are the log's: the slowest; or a rate in Hz")
-    writer.add(f"max_gap: {_gap(units, arms):.3g}", "s; longer gaps are left out, never bridged")
+    rates = {"pose": units.clock.rate, **{word(arm.name): arm.clock.rate for arm in arms}}
+    slowest = min(rates, key=lambda name: rates[name] * (0.999 if name == "pose" else 1.0))
+    gap = max(0.1, 5 / min(rates.values())) if min(rates.values()) else 0.1
+    writer.add(f"clock: {slowest}", "whose times are the log's: the slowest; or a rate in Hz")
+    writer.add(f"max_gap: {gap:.3g}", "s; longer gaps are left out, never bridged")
     _pose(writer, units, main)
     _arms(writer, arms, main, files)
     faults = [c.fault for f in files for c in f.columns if c.fault and c.meaning]
@@ -122,30 +125,14 @@ def _layout(writer: _Writer, indent: str, layout: Layout) -> None:
 
 
 def _time(writer: _Writer, indent: str, file: FileColumns) -> None:
-    column = time_of(file)
-    if column is None:
+    clock = Clock.of(file)
+    if clock.column is None:
         text = file.clock_of_text
         why = "no column holds times" if text is None else f"{text.title} holds text; write its times as seconds"
         writer.add(f"{indent}time: {{rate: }}", f"Hz: {why}; or {{column: NAME, unit: s}}")
         return
-    unit = time_unit(column)
-    said = ProposedValue(column.ref, len(file.of_role("t")) == 1 or column.unit is not None)
-    writer.add(f"{indent}time: {{column: {said}, unit: {unit}}}", unit.why)
-
-
-def _rate(time: np.ndarray) -> float:
-    steps = np.diff(time[np.isfinite(time)])
-    return 1 / float(np.median(steps)) if len(steps) and np.median(steps) > 0 else 0.0
-
-
-def _clock(units: MotionUnits, arms: Sequence[Arm]) -> str:
-    slowest = min(arms, key=lambda arm: _rate(arm.time), default=None)
-    return "pose" if slowest is None or _rate(slowest.time) >= 0.999 * _rate(units.time) else word(slowest.name)
-
-
-def _gap(units: MotionUnits, arms: Sequence[Arm]) -> float:
-    slowest = min([_rate(units.time), *(_rate(arm.time) for arm in arms)])
-    return max(0.1, 5 / slowest) if slowest else 0.1
+    said = ProposedValue(clock.column.ref, len(file.of_role("t")) == 1 or clock.column.unit is not None)
+    writer.add(f"{indent}time: {{column: {said}, unit: {clock.unit}}}", clock.unit.why)
 
 
 def _file(writer: _Writer, indent: str, file: FileColumns, main: FileColumns) -> None:
@@ -167,28 +154,18 @@ def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
         if column is not None:
             writer.entry("  ", role, Entry(one_of_several(column, units.is_only[role]), units.lengths[role]))
         elif role == "y" and is_line:
-            writer.entry(
-                "  ",
-                role,
-                Entry(None, constant=ProposedValue(0.0, False, "no column holds it: does it roll on a line?")),
-            )
+            writer.value("  ", role, ProposedValue(0.0, False, "no column holds it: does it roll on a line?"))
         else:
-            writer.entry("  ", role, Entry(None), "no column is known to hold it: {column: NAME, unit: m}")
+            writer.add(f"  {role}:", "no column is known to hold it: {column: NAME, unit: m}")
     if units.columns["theta"] is None and is_line:
-        writer.entry(
-            "  ", "theta", Entry(None, constant=ProposedValue(0.0, False, "no column holds it: does it never turn?"))
-        )
+        writer.value("  ", "theta", ProposedValue(0.0, False, "no column holds it: does it never turn?"))
     else:
         writer.entry("  ", "theta", units.heading, "no column is known to hold it: {column: NAME, unit: rad}")
-    body = f"[0.0, 0.0, {ProposedValue(round(float(units.offset.value), 4), units.offset.is_sure)}]"
-    writer.add(
-        f"  body: {body}",
-        "pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad",
-        units.offset.why,
-    )
-    writer.add(
-        f"  velocity: {'columns' if units.velocity else 'none'}", "columns, spline or none (estimators need none)"
-    )
+    yaw = ProposedValue(round(float(units.offset.value), 4), units.offset.is_sure)
+    what = "pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad"
+    writer.add(f"  body: [0.0, 0.0, {yaw}]", what, units.offset.why)
+    velocity = "columns" if units.velocity else "none"
+    writer.add(f"  velocity: {velocity}", "columns, spline or none (estimators need none)")
     for name, entry in units.velocity.items():
         writer.entry("  ", name, entry)
     if units.velocity:
@@ -197,12 +174,13 @@ def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
 
 def _arms(writer: _Writer, arms: Sequence[Arm], main: FileColumns, files: Sequence[FileColumns]) -> None:
     unknown = [column.title for file in files for column in file.unknown()]
-    if not arms and unknown:
-        writer.add(
-            "arms:", f"no column is known to hold a force, of {', '.join(unknown[:4])}; {{}} if nobody touches the cart"
-        )
-        return
-    writer.add("arms:" if arms else "arms: {}", "" if arms else "no column holds a force: nobody touches the cart")
+    if arms:
+        writer.add("arms:")
+    elif unknown:
+        why = f"no column is known to hold a force, of {', '.join(unknown[:4])}; {{}} if nobody touches the cart"
+        writer.add("arms:", why)
+    else:
+        writer.add("arms: {}", "no column holds a force: nobody touches the cart")
     for arm in arms:
         writer.add(f"  {word(arm.name)}:")
         if arm.file is not main:
