@@ -5,8 +5,10 @@ from __future__ import annotations
 import csv
 import math
 import re
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
+from contextlib import contextmanager
 from pathlib import Path
+from typing import TextIO
 
 import numpy as np
 
@@ -29,23 +31,33 @@ MAX_CELL_CHARS = 40
 def read_csv(path: str | Path) -> RunLog:
     """The log of a CSV file with the header of the run-log contract."""
     name = str(path)
-    try:
-        with open(path, encoding="utf-8-sig", newline="") as stream:
-            reader = csv.reader(stream, strict=True)
+    with opened_text(path) as stream:
+        reader = csv.reader(stream, strict=True)
+        try:
             rows = [(reader.line_num, row) for row in reader]
-    except OSError as error:
-        raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
-    except UnicodeDecodeError as error:
-        why = f"is not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
-        raise LogError(Place(name), "", why) from error
-    except csv.Error as error:
-        raise LogError(Place(name, reader.line_num), "", f"is not CSV: {error}") from error
+        except csv.Error as error:
+            raise LogError(Place(name, reader.line_num), "", f"is not CSV: {error}") from error
     if not rows or not any(rows[0][1]):
         raise LogError(Place(name, 1), "", "the file is empty; a header line is needed")
     header = [column.strip() for column in rows[0][1]]
     check_columns(header, name)
     lines = [(line, row) for line, row in rows[1:] if row]
     return log_from_table(header, _numbers(header, lines, name), name, [line for line, _ in lines])
+
+
+@contextmanager
+def opened_text(path: str | Path) -> Iterator[TextIO]:
+    """A file as text with its own line breaks; LogError where it can't be read, or is no UTF-8."""
+    try:
+        with open(path, encoding="utf-8-sig", newline="") as stream:
+            yield stream
+    except OSError as error:
+        is_missing = isinstance(error, FileNotFoundError)
+        why = "there is no such file" if is_missing else f"can't be read: {error.strerror or error}"
+        raise LogError(Place(str(path)), "", why) from error
+    except UnicodeDecodeError as error:
+        why = f"is not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
+        raise LogError(Place(str(path)), "", why) from error
 
 
 def write_csv(log: RunLog, path: str | Path) -> Path:
@@ -85,9 +97,8 @@ def check_columns(header: Sequence[str], name: str) -> None:
 
 
 def _some(columns: Sequence[str]) -> str:
-    return ", ".join(columns[:MAX_COLUMNS_SHOWN]) + (
-        f" and {len(columns) - MAX_COLUMNS_SHOWN} more" * (len(columns) > MAX_COLUMNS_SHOWN)
-    )
+    rest = len(columns) - MAX_COLUMNS_SHOWN
+    return ", ".join(columns[:MAX_COLUMNS_SHOWN]) + (f" and {rest} more" if rest > 0 else "")
 
 
 def _instead(header: Sequence[str]) -> str:
@@ -117,19 +128,18 @@ def log_from_table(header: Sequence[str], table: Array, name: str, lines: Sequen
     if not len(table):
         raise LogError(Place(name, 2), "", "the log has no rows")
     time = table[:, at("t")]
-    _check_clock(time, name, lines)
+    if fault := clock_fault(time, "t"):
+        raise LogError(Place(name, lines[fault[0]]), "t", fault[1])
 
-    def columns(names: Sequence[str]) -> Array:
-        return np.ascontiguousarray(table[:, [at(n) for n in names]])
+    def columns(names: Sequence[str], arm: str = "") -> Array:
+        return np.ascontiguousarray(table[:, [at(arm + name) for name in names]])
 
     return RunLog(
         time=np.ascontiguousarray(time),
         pose=columns(POSE_COLUMNS),
         velocity=columns(VELOCITY_COLUMNS) if "vx" in header else None,
         arms={
-            arm: ArmLog(
-                columns([f"{arm}.{p}" for p in CONTACT_COLUMNS]), columns([f"{arm}.{p}" for p in WRENCH_COLUMNS])
-            )
+            arm: ArmLog(columns(CONTACT_COLUMNS, f"{arm}."), columns(WRENCH_COLUMNS, f"{arm}."))
             for arm in arm_names(header)
         },
         name=name,
@@ -177,13 +187,14 @@ def _short(text: str) -> str:
     return text if len(text) <= MAX_CELL_CHARS else text[:MAX_CELL_CHARS] + "…"
 
 
-def _check_clock(time: Array, name: str, lines: Sequence[int]) -> None:
-    bad = np.flatnonzero(~np.isfinite(time))
-    if len(bad):
-        raise LogError(Place(name, lines[bad[0]]), "t", "a row without a time")
+def clock_fault(time: Array, word: str) -> tuple[int, str] | None:
+    """The first row at whose time (n,), s, a clock that is called so stands still, goes back or is missing, and why."""
+    blank = np.flatnonzero(~np.isfinite(time))
+    if len(blank):
+        return int(blank[0]), "a row without a time"
     back = np.flatnonzero(time[1:] <= time[:-1])
-    if len(back):
-        i = int(back[0]) + 1
-        step = "repeats" if time[i] == time[i - 1] else "goes back on"
-        why = f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; t must increase strictly"
-        raise LogError(Place(name, lines[i]), "t", why)
+    if not len(back):
+        return None
+    i = int(back[0]) + 1
+    step = "repeats" if time[i] == time[i - 1] else "goes back on"
+    return i, f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; {word} must increase strictly"

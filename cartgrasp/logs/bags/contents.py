@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import json
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 from typing import Any
@@ -11,6 +12,7 @@ import numpy as np
 from ...errors import printable
 from ...frames import Array
 from ..mapped.planar_pose import planar
+from ..mapped.timed_samples import MAX_MEASUREMENT
 from .bag import Bag
 from .messages import (
     DECODERS,
@@ -23,7 +25,7 @@ from .messages import (
     Sample,
     decode,
 )
-from .topic_samples import MAX_MEASUREMENT, frames_of
+from .topic_samples import frames_of
 from .transform_tree import arrow, frames_on, likely_path
 
 MAX_NOISE_SAMPLES = 20_000
@@ -185,8 +187,6 @@ def _arm_names(topics: Sequence[str]) -> dict[str, str]:
 
 def _quoted(word: str) -> str:
     """The word as YAML takes it, whatever is in it."""
-    import json
-
     is_plain = word.isascii() and word.replace("/", "").replace("_", "").isalnum() and not word[:1].isdigit()
     is_word = word.lower() in ("true", "false", "null", "yes", "no", "on", "off", "nan", "inf")
     return word if is_plain and not is_word else json.dumps(word)

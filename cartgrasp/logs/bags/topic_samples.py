@@ -10,14 +10,14 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import Array
+from ..mapped.planar_pose import QUATERNION_NORM_TOLERANCE
+from ..mapped.timed_samples import MAX_MEASUREMENT
 from .bag import SALVAGE_HINT, Bag, Message
 from .messages import WRENCH_TYPE, BadMessageError, Sample, decode
 
 Frames = tuple[str, str]
 Key = tuple[str, Frames]
 ALL_FRAMES: Frames = ("", "")
-MAX_MEASUREMENT = 1e9
-QUATERNION_NORM_TOLERANCE = 0.01
 MAX_STAMP_NS = 2**62
 
 

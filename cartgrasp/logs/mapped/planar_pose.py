@@ -8,6 +8,10 @@ from ...frames import Array, body_to_world, rotation_planar, unwrapped
 from .resampling import stretches
 from .smoothing_spline import MIN_SPLINE_SAMPLES, spline_at_noise
 
+MAX_TILT = 0.35
+"""rad: a frame whose z is farther off the vertical has no heading."""
+QUATERNION_NORM_TOLERANCE = 0.01
+
 
 def planar(numbers: Array) -> Array:
     """x, y, yaw (n, 3) of poses (n, 7); yaw is unwrapped over the samples that are there."""

@@ -8,6 +8,8 @@ import numpy as np
 
 from ...frames import Array
 
+MAX_MEASUREMENT = 1e9
+"""m, rad, N: what is beyond is no measurement."""
 MapPlace = tuple[str, ...]
 """In a map: ("pose",), ("velocity",), ("arms", NAME), ("arms", NAME, "contact")."""
 

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping
 from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
@@ -11,9 +11,11 @@ import numpy as np
 from numpy.typing import NDArray
 
 from ...frames import Array, unwrapped
+from ..csv_log import clock_fault
+from ..mapped.planar_pose import MAX_TILT, QUATERNION_NORM_TOLERANCE
 from ..mapped.processing_steps import ProcessingSteps
 from ..mapped.reading import MappedSamples
-from ..mapped.timed_samples import MapPlace, TimedSamples, step_figures
+from ..mapped.timed_samples import MAX_MEASUREMENT, MapPlace, TimedSamples, step_figures
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
 from .table_file import Table, read_table
 from .table_map import (
@@ -28,12 +30,6 @@ from .table_map import (
     dimension_of,
 )
 from .units import UNITS, unit_of
-
-QUATERNION_NORM_TOLERANCE = 0.01
-MAX_TILT = 0.35
-"""rad."""
-MAX_MEASUREMENT = 1e9
-"""m, rad, N: what is beyond is no measurement."""
 
 
 @dataclass
@@ -51,15 +47,14 @@ class TableSource:
         pose = map_.pose
         has_velocity = pose.velocity == "columns"
         names = (*POSE_COLUMNS, *(VELOCITY_COLUMNS if has_velocity else ()))
-        samples = self._clocked(("pose",), pose, [getattr(pose, name) for name in names], names, pose.latency)
+        samples = self._clocked(("pose",), pose, {name: getattr(pose, name) for name in names}, pose.latency)
         tracked = samples.numbers[:, :3]
         tracked[:, 2] = unwrapped(tracked[:, 2])
         found["pose",] = TimedSamples(samples.time, tracked)
         if has_velocity:
-            twist = samples.numbers[:, 3:]
-            found["velocity",] = TimedSamples(
-                samples.time, _in_cart(twist, tracked) if pose.frame == "world" else twist
-            )
+            recorded = samples.numbers[:, 3:]
+            twist = _in_cart(recorded, tracked) if pose.frame == "world" else recorded
+            found["velocity",] = TimedSamples(samples.time, twist)
         for name, arm in map_.arms.items():
             found |= self._arm(name, arm)
         return MappedSamples(str(self.path), self.map_file, found, self.steps)
@@ -67,60 +62,52 @@ class TableSource:
     def _arm(self, name: str, arm: TableArm) -> dict[MapPlace, TimedSamples]:
         where = ("arms", name)
         rest = 0.0 if arm.unmeasured == "zero" else np.nan
-        values = [getattr(arm, part) if part in (arm.measures or ()) else rest for part in WRENCH_COLUMNS]
-        found: dict[MapPlace, TimedSamples] = {where: self._clocked(where, arm, values, WRENCH_COLUMNS, arm.latency)}
+        values = {part: getattr(arm, part) if part in (arm.measures or ()) else rest for part in WRENCH_COLUMNS}
+        found: dict[MapPlace, TimedSamples] = {where: self._clocked(where, arm, values, arm.latency)}
         if isinstance(arm.contact, ContactColumns):
-            points = [getattr(arm.contact, part) for part in CONTACT_COLUMNS]
-            found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, CONTACT_COLUMNS, arm.latency)
+            points = {part: getattr(arm.contact, part) for part in CONTACT_COLUMNS}
+            found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, arm.latency)
         return found
 
     def _clocked(
-        self,
-        where: MapPlace,
-        part: TablePart,
-        values: Sequence[Value | QuaternionEntry],
-        names: Sequence[str],
-        latency: float,
+        self, where: MapPlace, part: TablePart, values: Mapping[str, Value | QuaternionEntry], latency: float
     ) -> TimedSamples:
         """Rows in which nothing stands, nor a time, are the end of a shorter column."""
-        table = self._table(where, part)
-        entry = self.map_file.map.time if part.file is None else part.time
+        path, layout, entry = self.path, self.map_file.map.table, self.map_file.map.time
+        if part.file is not None:
+            path, layout, entry = self.path.parent / part.file, part.table, part.time
+            if Path(part.file).is_absolute() or ".." in Path(part.file).parts:
+                raise self.map_file.refuse((*where[:2], "file"), "name a file in the same folder, or below it")
         assert entry is not None
-        columns = [self._numbers(table, name, value) for name, value in zip(names, values, strict=True)]
-        every = (self.map_file.map.table if part.file is None else part.table).every
-        time = _time(table, entry, every)
-        recorded = [column for column, value in zip(columns, values, strict=True) if isinstance(value, ColumnEntry)]
+        if path not in self.tables:
+            self.tables[path] = read_table(path, layout)
+        table = self.tables[path]
+        columns = [_numbers(table, name, value) for name, value in values.items()]
+        time = _time(table, entry, layout.every)
+        by_column = {name: value for name, value in values.items() if isinstance(value, ColumnEntry)}
+        recorded = [column for column, name in zip(columns, values, strict=True) if name in by_column]
         present = np.isfinite(time) | (np.isfinite(np.array(recorded)).any(axis=0) if recorded else False)
         lines = np.array(table.lines)[present]
         time, numbers = time[present], np.column_stack(columns)[present]
         _check_clock(table, entry, time, lines)
-        said = {name: _said(value) for name, value in zip(names, values, strict=True) if isinstance(value, ColumnEntry)}
+        said = {name: _said(value) for name, value in by_column.items()}
         figures: dict[str, Any] = {"role": ".".join(where), "samples": len(time), "latency_s": latency, **said}
         figures |= step_figures(time)
         self.steps.add(Path(table.name).name, "columns", **figures)
         return TimedSamples(time - latency, numbers)
 
-    def _table(self, where: MapPlace, part: TablePart) -> Table:
-        path, layout = self.path, self.map_file.map.table
-        if part.file is not None:
-            path, layout = self.path.parent / part.file, part.table
-            if Path(part.file).is_absolute() or ".." in Path(part.file).parts:
-                raise self.map_file.refuse((*where[:2], "file"), "name a file in the same folder, or below it")
-        if path not in self.tables:
-            self.tables[path] = read_table(path, layout)
-        return self.tables[path]
 
-    def _numbers(self, table: Table, name: str, value: Value | QuaternionEntry) -> Array:
-        if isinstance(value, QuaternionEntry):
-            return _yaw(table, value)
-        if not isinstance(value, ColumnEntry):
-            return np.full(len(table.lines), float(value))
-        assert value.column is not None
-        numbers = in_si(table.column(value.column), name, value)
-        if (np.abs(numbers) > MAX_MEASUREMENT).any():
-            i = int(np.nanargmax(np.abs(numbers)))
-            raise table.refuse(value.column, f"{numbers[i]:.3g} in SI units is no measurement", table.lines[i])
-        return numbers
+def _numbers(table: Table, name: str, value: Value | QuaternionEntry) -> Array:
+    if isinstance(value, QuaternionEntry):
+        return _yaw(table, value)
+    if not isinstance(value, ColumnEntry):
+        return np.full(len(table.lines), float(value))
+    assert value.column is not None
+    numbers = in_si(table.column(value.column), name, value)
+    if (np.abs(numbers) > MAX_MEASUREMENT).any():
+        i = int(np.nanargmax(np.abs(numbers)))
+        raise table.refuse(value.column, f"{numbers[i]:.3g} in SI units is no measurement", table.lines[i])
+    return numbers
 
 
 def _time(table: Table, entry: TimeEntry, every: int) -> Array:
@@ -176,12 +163,11 @@ def _in_cart(velocity: Array, pose: Array) -> Array:
 
 def _said(value: ColumnEntry) -> str:
     parts = [str(value.column), value.unit or ""]
-    parts += (
-        [f"over {value.radius:g} m" if value.unit and unit_of(value.unit, "moment") else f"times {value.radius:g} m"]
-        if value.radius
-        else []
-    )
-    parts += [f"times {value.sign * value.factor:g}"] if value.sign * value.factor != 1 else []
+    if value.radius:
+        how = "over" if value.unit and unit_of(value.unit, "moment") else "times"
+        parts.append(f"{how} {value.radius:g} m")
+    if value.sign * value.factor != 1:
+        parts.append(f"times {value.sign * value.factor:g}")
     return " ".join(part for part in parts if part)
 
 
@@ -189,12 +175,5 @@ def _check_clock(table: Table, entry: TimeEntry, time: Array, lines: NDArray[np.
     column = "t" if entry.column is None else entry.column
     if not len(time):
         raise table.refuse(column, "no row has a time")
-    blank = np.flatnonzero(~np.isfinite(time))
-    if len(blank):
-        raise table.refuse(column, "a row without a time", int(lines[blank[0]]))
-    back = np.flatnonzero(np.diff(time) <= 0)
-    if len(back):
-        i = int(back[0]) + 1
-        step = "repeats" if time[i] == time[i - 1] else "goes back on"
-        why = f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; times must increase strictly"
-        raise table.refuse(column, why, int(lines[i]))
+    if fault := clock_fault(time, "times"):
+        raise table.refuse(column, fault[1], int(lines[fault[0]]))

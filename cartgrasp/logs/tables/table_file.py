@@ -15,11 +15,10 @@ import numpy as np
 from ...errors import LogError, Place, printable
 from ...frames import Array
 from ...yaml_file import did_you_mean
-from ..csv_log import MAX_CELL_CHARS
-from ..csv_log import MISSING_CELLS as BLANK
+from ..csv_log import MAX_CELL_CHARS, MISSING_CELLS, opened_text
 from .table_map import TableFormat
 
-MISSING_TABLE_CELLS = (*BLANK, "NA", "N/A", "#N/A", "null", "None", "-", "--")
+MISSING_TABLE_CELLS = (*MISSING_CELLS, "NA", "N/A", "#N/A", "null", "None", "-", "--")
 NUMBER_PATTERN = re.compile(r"[+-]?(\d+\.?\d*|\.\d+)([eE][+-]?\d+)?")
 DATE_PATTERN = re.compile(r"\d[-/.:]\d{1,2}[-/.:]\d")
 """A pattern found in a date, or in a time of the day."""
@@ -107,9 +106,8 @@ def read_table(path: Path, layout: TableFormat) -> Table:
     width = len(rows[0][1]) if header is None else len(header)
     for i, row in rows:
         if len(row) != width:
-            raise LogError(
-                Place(name, i), "", f"{len(row)} cells, {width} columns: what parts cells, and is this a row?"
-            )
+            why = f"{len(row)} cells, {width} columns: what parts cells, and is this a row?"
+            raise LogError(Place(name, i), "", why)
     kept = rows[:: layout.every]
     cells = list(zip(*(row for _, row in kept), strict=True))
     return Table(name, header, cells, [i for i, _ in kept], layout.decimal, layout.header)
@@ -135,16 +133,8 @@ def _parquet(path: Path, every: int) -> Table:
 def text_lines(path: Path) -> list[str]:
     """The lines of a file as an editor counts them. Cells that span lines are refused later, as rows of another
     width."""
-    name = str(path)
-    try:
-        text = path.read_text(encoding="utf-8-sig")
-    except OSError as error:
-        why = "there is no such file" if isinstance(error, FileNotFoundError) else f"can't be read: {error.strerror}"
-        raise LogError(Place(name), "", why) from error
-    except UnicodeDecodeError as error:
-        why = f"is not UTF-8 text ({error.reason} at byte {error.start}); save it as UTF-8"
-        raise LogError(Place(name), "", why) from error
-    return re.split(r"\r\n|\n|\r", text)
+    with opened_text(path) as stream:
+        return re.split(r"\r\n|\n|\r", stream.read())
 
 
 def split(line: str, separator: str) -> list[str]:
