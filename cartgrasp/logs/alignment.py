@@ -12,12 +12,11 @@ import numpy as np
 
 from ..frames import Array
 from ..model import CartModel
+from .mapped.resampling import MAX_OFFSET_STEPS
 from .run_log import ArmLog, RunLog
 
 TIE_BREAK_FRACTION = 1e-6
 """Share of a step by which the earlier of two equally near samples is preferred, whatever rounding says."""
-MAX_OFFSET_STEPS = 0.75
-"""Steps: from here on a sample is another row's."""
 
 
 def aligned(log: RunLog, cart: CartModel) -> RunLog:

@@ -22,6 +22,11 @@ from .run_log import ArmLog, RunLog
 
 EMPS_ARM = "drive"
 EMPS_VARIABLES = ("t", "qm", "vir", "gtau")
+MATLAB_ERRORS = (
+    *(ValueError, TypeError, LookupError, ArithmeticError, MemoryError, Warning, NotImplementedError, AttributeError),
+    *(zlib.error, struct.error),
+)
+"""Beside its own errors, what scipy stumbles over where bytes are not what they should be."""
 RAIL_CART = """\
 # The EMPS axis before anything is known of it: a cart on a rail.
 name: EMPS linear axis
@@ -94,11 +99,6 @@ def _matlab_file(name: str) -> dict[str, Any]:
             return dict(loadmat(name, variable_names=EMPS_VARIABLES))
     except OSError as error:
         raise LogError(Place(name), "", f"can't be read: {error.strerror or error}") from error
-    except (MatReadError, ValueError, TypeError, LookupError, ArithmeticError, MemoryError) as error:
-        raise LogError(Place(name), "", _broken(error)) from error
-    except (Warning, NotImplementedError, AttributeError, zlib.error, struct.error) as error:
-        raise LogError(Place(name), "", _broken(error)) from error
-
-
-def _broken(error: Exception) -> str:
-    return f"can't be read as a MATLAB file of version 4 to 7.2: {error or type(error).__name__}"
+    except (MatReadError, *MATLAB_ERRORS) as error:
+        why = f"can't be read as a MATLAB file of version 4 to 7.2: {error or type(error).__name__}"
+        raise LogError(Place(name), "", why) from error

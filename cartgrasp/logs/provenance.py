@@ -7,8 +7,6 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 from typing import Any
 
-READ_BLOCK_SIZE = 1 << 20
-
 
 def provenance(
     source: Path,
@@ -31,11 +29,8 @@ def provenance(
 
 
 def sum_of(path: Path) -> str:
-    found = hashlib.sha256()
     with open(path, "rb") as stream:
-        while block := stream.read(READ_BLOCK_SIZE):
-            found.update(block)
-    return found.hexdigest()
+        return hashlib.file_digest(stream, "sha256").hexdigest()
 
 
 def sum_of_all(source: Path) -> str:

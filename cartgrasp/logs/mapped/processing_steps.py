@@ -15,7 +15,8 @@ class ProcessingStep:
     figures: Mapping[str, float | int | str]
 
     def __str__(self) -> str:
-        figures = ", ".join(f"{name} {_short(value)}" for name, value in self.figures.items())
+        said = {name: f"{value:.4g}" if isinstance(value, float) else value for name, value in self.figures.items()}
+        figures = ", ".join(f"{name} {value}" for name, value in said.items())
         return f"{self.of}: {self.what}" + (f" ({figures})" if figures else "")
 
 
@@ -27,7 +28,3 @@ class ProcessingSteps:
 
     def add(self, of: str, what: str, **figures: float | int | str) -> None:
         self.done.append(ProcessingStep(of, what, {name.replace("_", " "): value for name, value in figures.items()}))
-
-
-def _short(value: float | int | str) -> str:
-    return f"{value:.4g}" if isinstance(value, float) else str(value)

@@ -186,11 +186,10 @@ def _map_file(document: CommentedMap, name: str) -> TableMapFile:
 
 
 def _of_part(where: Location, part: TablePart) -> Iterator[Mistake]:
-    if part.file is None:
-        if part.time is not None:
-            yield (*where, "time"), "is for a sensor with a file of its own; say file: too"
-        return
-    yield from _of_time((*where, "time"), part.time)
+    if part.file is not None:
+        yield from _of_time((*where, "time"), part.time)
+    elif part.time is not None:
+        yield (*where, "time"), "is for a sensor with a file of its own; say file: too"
 
 
 def _of_time(where: Location, time: TimeEntry | None) -> Iterator[Mistake]:

@@ -7,7 +7,7 @@ Each is a comparison of signals that two columns tell apart, over a whole log, o
 from __future__ import annotations
 
 from collections.abc import Mapping, Sequence
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from itertools import product
 
 import numpy as np
@@ -116,10 +116,8 @@ def heading_of(motion: Motion, time: Array, column: Array) -> Heading | None:
 def _clearest(found: Sequence[Heading]) -> Heading | None:
     """The one that agrees, if it is off by far less than any other."""
     best, second = sorted(found, key=lambda one: -one.agreement)[:2]
-    is_clear = best.agreement > AGREEMENT_THRESHOLD and 1 - best.agreement < MAX_DISAGREEMENT_RATIO * (
-        1 - second.agreement
-    )
-    return best if is_clear else None
+    lacking = MAX_DISAGREEMENT_RATIO * (1 - second.agreement)
+    return best if best.agreement > AGREEMENT_THRESHOLD and 1 - best.agreement < lacking else None
 
 
 @dataclass(frozen=True)
@@ -161,7 +159,7 @@ def velocities(motion: Motion, time: Array, vx: Array, vy: Array, heading: Array
     others = [one.agreement for one in found if one is not best]
     is_clear = best.agreement > AGREEMENT_THRESHOLD and all(best.agreement - other > 0.02 for other in others)
     alike = best.agreement > AGREEMENT_THRESHOLD and all(abs(best.agreement - other) < 1e-3 for other in others)
-    return Velocities(best.frame, best.agreement, best.factors, is_clear or alike)
+    return replace(best, is_clear=is_clear or alike)
 
 
 def scale(recorded: Array, truth: Array) -> tuple[float, float]:

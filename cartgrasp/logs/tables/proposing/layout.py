@@ -45,15 +45,9 @@ def layout_of(path: Path) -> Layout:
         raise LogError(Place(str(path)), "", why)
     separator, decimal, cells, rows = best
     header, units = _header(cells, rows[0][0], len(rows[0][1]), separator, decimal)
-    layout = TableFormat.model_validate(
-        {
-            "separator": separator,
-            "decimal": decimal,
-            "header": None if header is None else header + 1,
-            "first": rows[0][0] + 1,
-        }
-    )
-    return Layout(layout, units, decimal == "." or not _may_be_groups(rows))
+    named = None if header is None else header + 1
+    said = {"separator": separator, "decimal": decimal, "header": named, "first": rows[0][0] + 1}
+    return Layout(TableFormat.model_validate(said), units, decimal == "." or not _may_be_groups(rows))
 
 
 def _rows(cells: Sequence[tuple[int, list[str]]], decimal: str) -> tuple[list[tuple[int, list[str]]], float]:
