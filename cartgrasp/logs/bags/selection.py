@@ -2,50 +2,47 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator
+from collections.abc import Iterator, Mapping
 from dataclasses import dataclass, field
 
 import numpy as np
 from numpy.typing import NDArray
 
 from ...yaml_file import did_you_mean
-from ..mapped.planar_pose import planar, tilt
+from ..mapped.planar_pose import MAX_TILT, planar, tilt
 from ..mapped.processing_steps import ProcessingSteps
 from ..mapped.reading import MappedSamples
 from ..mapped.timed_samples import MapPlace, TimedSamples, step_figures
 from .bag import Bag
 from .faults import far_stamps, other_frames, other_values, without
 from .messages import NS_PER_S, ODOMETRY_TYPE, POSE_TYPE, TF_TYPES, WRENCH_TYPE
-from .tf_paths import TfPaths
 from .topic_map import ContactEntry, TopicMapFile
-from .topic_samples import ALL_FRAMES, Frames, Key, TopicSamples, read_samples
+from .topic_samples import ALL_FRAMES, Frames, Key, TopicSamples, links_in, read_samples
 from .transform_chain import common_span, composed
-from .transform_tree import Link, is_static
-
-MAX_TILT = 0.35
+from .transform_tree import BadTreeError, Link, NoPathError, TransformTree, arrow, is_static, usual, with_static
 
 
 @dataclass
 class Selection:
-    """By the place in the map: ("pose",), ("arms", NAME) and ("arms", NAME, "contact")."""
+    """By the place in the map: ("pose",), ("arms", NAME) and ("arms", NAME, "contact"). `left_out` is what of TF fits
+    into no tree, where the bag is salvaged."""
 
     bag: Bag
     map_file: TopicMapFile
     is_salvage: bool
     steps: ProcessingSteps = field(default_factory=ProcessingSteps)
+    left_out: list[str] = field(default_factory=list)
 
     def read(self) -> MappedSamples:
         keys = dict(self._keys())
         self._check_topics(keys)
-        tf_paths = TfPaths(self.bag, self.map_file, self.is_salvage)
-        paths = {where: [Link(key)] for where, key in keys.items()}
-        paths |= tf_paths.find({where: key for where, key in keys.items() if key[1] != ALL_FRAMES})
+        paths = self._paths(keys)
         links = {link.key: link for path in paths.values() for link in path}
         wanted: dict[str, set[Frames] | None] = {}
         for topic, frames in links:
             wanted[topic] = None if frames == ALL_FRAMES else (wanted.get(topic) or set()) | {frames}
         found = read_samples(self.bag, wanted, self.is_salvage)
-        self.bag.lost.extend(tf_paths.lost)
+        self.bag.lost.extend(self.left_out)
         for key, link in links.items():
             if key not in found or not len(found[key]):
                 why = "has no messages" + (" that can be read" if self.is_salvage else "")
@@ -71,6 +68,41 @@ class Selection:
         if self.map_file.map.pose.velocity == "twist":
             found["velocity",] = TimedSamples(pose.time, pose.numbers[:, [7, 8, 12]])
         return found
+
+    def _paths(self, keys: Mapping[MapPlace, Key]) -> dict[MapPlace, list[Link]]:
+        """What makes up each that is asked for: a topic, the very transform where it is there, else a chain."""
+        asked = {where: key for where, key in keys.items() if key[1] != ALL_FRAMES}
+        topics = {near for topic, _ in asked.values() for near in self._near(topic)}
+        counts = links_in(self.bag, topics, set(asked.values())) if asked else {}
+        paths = {where: [Link(key)] for where, key in keys.items()}
+        for where, key in asked.items():
+            if key not in counts:
+                paths[where] = self._chain(where, key, counts)
+            if where == ("pose",) and all(link.is_static for link in paths[where]):
+                why = f"nothing moves between {' and '.join(key[1])}: {paths[where][0].name} is static"
+                raise self.map_file.refuse(where, why)
+        return paths
+
+    def _near(self, topic: str) -> list[str]:
+        """The TF topics whose transforms belong to one tree."""
+        return [near for near in dict.fromkeys(with_static(topic)) if self.bag.kinds.get(near) in TF_TYPES]
+
+    def _chain(self, where: MapPlace, key: Key, counts: Mapping[Key, int]) -> list[Link]:
+        topic, (frame, child) = key
+        near = self._near(topic)
+        tree = {key: count for key, count in counts.items() if key[0] in near}
+        try:
+            path = TransformTree(usual(tree) if self.is_salvage else tree).path(frame, child)
+        except BadTreeError as error:
+            raise self.bag.refuse(str(error), topic) from error
+        except NoPathError as error:
+            raise self.map_file.refuse(where, f"{' with '.join(near)} of {self.bag.path} {error}") from error
+        for link in path:
+            others = {k: n for k, n in tree.items() if k[1][1] == link.key[1][1] and k != link.key}
+            self.left_out += [
+                f"{t} {arrow(f)}: {n} transforms; most others are {link.name}" for (t, f), n in others.items()
+            ]
+        return path
 
     def _along(self, where: MapPlace, path: list[Link], found: dict[Key, TopicSamples], epoch: int) -> TimedSamples:
         """What is asked for itself, or composed of what is there."""
