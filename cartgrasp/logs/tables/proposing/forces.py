@@ -63,6 +63,10 @@ class Arm:
         default = {"force": self.likely, "moment": "N·m", "length": self.length}[dimension]
         return ProposedValue(default, False, "no unit is in its name")
 
+    def entry(self, component: str) -> Entry:
+        column = self.columns[component]
+        return Entry(one_of_several(column, self.file.is_only(column)), self.unit(component))
+
     @property
     def unmeasured(self) -> ProposedValue | None:
         """Nothing is asked where only what presses down is not measured."""
@@ -154,8 +158,3 @@ def _latency(arm: Arm, motion: Motion, along: Array, time: Array) -> ProposedVal
         return ProposedValue(0.0, True, "forces fit the motion best without a lag")
     guess = round(float(lags[at_best]), 1) if is_peak else 0.0
     return ProposedValue(guess, False, "did both clocks begin at the same moment?")
-
-
-def component_entry(arm: Arm, component: str) -> Entry:
-    column = arm.columns[component]
-    return Entry(one_of_several(column, arm.file.is_only(column)), arm.unit(component))

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from dataclasses import dataclass, field
+from dataclasses import dataclass, field, replace
 
 import numpy as np
 
@@ -28,12 +28,11 @@ MAX_TRACKER_YAW = 0.26
 
 @dataclass(frozen=True)
 class Entry:
-    """A column in a map, or a constant."""
+    """A column in a map."""
 
-    column: ProposedValue | None
+    column: ProposedValue
     unit: ProposedValue = field(default_factory=lambda: ProposedValue(None))
     sign: ProposedValue = field(default_factory=lambda: ProposedValue(1))
-    constant: ProposedValue | None = None
 
 
 def one_of_several(column: Column, is_only: bool) -> ProposedValue:
@@ -164,10 +163,10 @@ class MotionUnits:
             return None
         return ProposedValue(unit, True, f"as {vx.title} says how fast it goes")
 
-    def _heading(self) -> Entry:
+    def _heading(self) -> Entry | None:
         column = self.columns["theta"]
         if column is None:
-            return Entry(None)
+            return None
         said = one_of_several(column, self.is_only["theta"])
         best = heading_of(self.motion, self.time, column.said) if self.motion is not None else None
         unit = self._angle_unit(column, None if best is None else best.unit)
@@ -219,15 +218,15 @@ class MotionUnits:
 
     def heading_rad(self) -> Array | None:
         """Headings (rad) at the file's rows; None where their unit is not known."""
-        column, unit = self.columns["theta"], self.heading.unit.value
-        if column is None or unit is None:
+        column = self.columns["theta"]
+        if column is None or self.heading is None or self.heading.unit.value is None:
             return None
-        size = UNITS["angle"][str(unit)]
+        size = UNITS["angle"][str(self.heading.unit.value)]
         sign = self.heading.sign.value if isinstance(self.heading.sign.value, int) else 1
         offset = self.offset.value if isinstance(self.offset.value, float) else 0.0
         return np.asarray(sign * size * unwrapped(column.said, 2 * np.pi / size) + offset)
 
-    def _velocity(self) -> tuple[ProposedValue, dict[str, Entry]]:
+    def _velocity(self) -> tuple[ProposedValue, dict[str, Entry | ProposedValue]]:
         """Along which axes, and its columns: none where one of the three is missing."""
         vx, vy, omega = (self.columns[role] for role in ("vx", "vy", "omega"))
         if vx is None or omega is None or self.motion is None:
@@ -242,7 +241,7 @@ class MotionUnits:
             self.notes.append("velocities are left out: they are no differences of the positions")
             return ProposedValue(None), {}
         why = "" if seen.is_clear else "a way this straight doesn't tell them apart"
-        sideways = Entry(None, constant=ProposedValue(0.0, False, "no column has it; wheels on an axle forbid it"))
+        sideways = ProposedValue(0.0, False, "no column has it; wheels on an axle forbid it")
         return ProposedValue(seen.frame, seen.is_clear, why), {
             "vx": self._speed(vx, seen.factors[0], vx),
             "vy": sideways if vy is None else self._speed(vy, seen.factors[1], vx),
@@ -250,45 +249,45 @@ class MotionUnits:
         }
 
     def _speed(self, column: Column, factor: float, first: Column) -> Entry:
-        """The entry of a velocity column, with its sign and unit by how much it is larger than differences of
-        positions."""
-        label, ref = column.unit or first.unit, one_of_several(column, self.is_only[column.role])
-        sign, size = ProposedValue(1), abs(factor)
+        """The entry of a velocity column, which is so many times what differences of positions are."""
+        label = column.unit or first.unit
+        unit, sign = _unit_by(factor, label, "speed", "differences of positions"), ProposedValue(1)
+        is_sure = self.clock.unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
+        if label is None and unit.is_sure and not is_sure:
+            unit = ProposedValue(unit.value, False, "as positions, of which a unit or the clock is not sure")
         if not factor > 0:
             sign = ProposedValue(-1, False, "it falls where the cart goes the other way")
-        is_sure = self.clock.unit.is_sure and self.lengths["x"].is_sure and self.lengths["y"].is_sure
-        if label is not None:
-            fits = abs(size - 1) < 0.25
-            why = "" if fits else f"it is {size:.3g} times what differences of positions are"
-            return Entry(ref, ProposedValue(label, fits, why), sign)
-        unit = near(1 / size, "speed")
-        if unit is None:
-            return Entry(ref, ProposedValue("m/s", False, "no unit is in its name"), sign)
-        why = "as differences of positions" if is_sure else "as positions, of which a unit or the clock is not sure"
-        return Entry(ref, ProposedValue(unit, is_sure, why), sign)
+        return Entry(one_of_several(column, self.is_only[column.role]), unit, sign)
 
     def _rate(self, column: Column) -> Entry:
         """The entry of a yaw rate column, with its sign and unit against differences of headings."""
         heading = self.heading_rad()
         label, ref = column.unit, one_of_several(column, self.is_only["omega"])
-        if heading is None or self.motion is None:
+        if heading is None or self.heading is None or self.motion is None:
             return Entry(ref, ProposedValue(label or "rad/s", label is not None, "no unit is in its name"))
         truth = np.gradient(self.motion.smoothed(self.time, heading), self.motion.time)
         size = UNITS["rate"][label or "rad/s"]
         factor, agreement = scale(size * self.motion.on(self.time, column.said), truth)
         is_seen = abs(agreement) > 0.8
-        sign = ProposedValue(1)
+        unit, sign = _unit_by(factor if is_seen else None, label, "rate", "differences of headings"), ProposedValue(1)
+        if label is None and not (self.clock.unit.is_sure and self.heading.unit.is_sure):
+            unit = replace(unit, is_sure=False)
         if is_seen and factor < 0:
             sign = ProposedValue(-1, False, "it falls where the heading grows")
-        if label is not None:
-            fits = not is_seen or abs(abs(factor) - 1) < 0.25
-            why = "" if fits else f"it is {abs(factor):.3g} times what differences of headings are"
-            return Entry(ref, ProposedValue(label, fits, why), sign)
-        unit = near(1 / abs(factor), "rate") if is_seen else None
-        if unit is None:
-            return Entry(ref, ProposedValue("rad/s", False, "no unit is in its name"), sign)
-        is_sure = self.clock.unit.is_sure and self.heading.unit.is_sure
-        return Entry(ref, ProposedValue(unit, is_sure, "as differences of headings"), sign)
+        return Entry(ref, unit, sign)
+
+
+def _unit_by(factor: float | None, label: str | None, dimension: str, differences: str) -> ProposedValue:
+    """The unit of a column that is, in the unit of its label, so many times what differences of poses are; `factor` is
+    None where they don't tell."""
+    if label is not None:
+        size = 1.0 if factor is None else abs(factor)
+        fits = abs(size - 1) < 0.25
+        return ProposedValue(label, fits, "" if fits else f"it is {size:.3g} times what {differences} are")
+    unit = None if factor is None else near(1 / abs(factor), dimension)
+    if unit is None:
+        return ProposedValue(next(iter(UNITS[dimension])), False, "no unit is in its name")
+    return ProposedValue(unit, True, f"as {differences}")
 
 
 def _rises(times: Array) -> bool:

@@ -13,7 +13,7 @@ from ....errors import LogError, printable
 from ...csv_log import PAGE
 from ..table_map import TableFormat
 from .columns import FileColumns
-from .forces import Arm, arms_of, component_entry, judged
+from .forces import Arm, arms_of, judged
 from .layout import Layout
 from .motion_units import Clock, Entry, MotionUnits, one_of_several
 from .proposed_value import ProposedValue, word
@@ -44,12 +44,9 @@ class _Writer:
     def value(self, indent: str, key: str, said: ProposedValue) -> None:
         self.add(f"{indent}{key}: {said}", said.why or ("fill in" if said.value is None else ""))
 
-    def entry(self, indent: str, key: str, entry: Entry, blank: str = "") -> None:
-        """A column, a constant, or nothing."""
-        if entry.constant is not None:
-            self.value(indent, key, entry.constant)
-        elif entry.column is None:
-            self.add(f"{indent}{key}:", blank)
+    def entry(self, indent: str, key: str, entry: Entry | ProposedValue) -> None:
+        if isinstance(entry, ProposedValue):
+            self.value(indent, key, entry)
         elif isinstance(entry.column.value, list):
             self.add(f"{indent}{key}: {{quaternion: {entry.column}}}", entry.column.why)
         else:
@@ -65,7 +62,7 @@ def propose(path: Path, others: Sequence[Path] = ()) -> Proposal:
     files = [main, *_siblings(main, others)]
     posed = next((file for file in files if file.has_pose), main)
     units = MotionUnits(posed)
-    heading = units.heading_rad() if units.heading.column else _ahead(units)
+    heading = units.heading_rad() if units.heading else _ahead(units)
     sensors = [replace(arm, length=str(units.lengths["x"].value or "m")) for arm in arms_of(files)]
     arms = judged(sensors, units.motion, units.time, heading)
     writer = _Writer([MAP_HEADER.format(name=printable(path.name)).rstrip()])
@@ -149,18 +146,17 @@ def _pose(writer: _Writer, units: MotionUnits, main: FileColumns) -> None:
     if units.file is not main:
         _file(writer, "  ", units.file, main)
     is_line = units.columns["x"] is not None and units.columns["y"] is None
-    for role in ("x", "y"):
+    constant = {"y": "does it roll on a line?", "theta": "does it never turn?"} if is_line else {}
+    for role, unit in (("x", "m"), ("y", "m"), ("theta", "rad")):
         column = units.columns[role]
-        if column is not None:
+        if role == "theta" and units.heading is not None:
+            writer.entry("  ", role, units.heading)
+        elif column is not None:
             writer.entry("  ", role, Entry(one_of_several(column, units.is_only[role]), units.lengths[role]))
-        elif role == "y" and is_line:
-            writer.value("  ", role, ProposedValue(0.0, False, "no column holds it: does it roll on a line?"))
+        elif role in constant:
+            writer.value("  ", role, ProposedValue(0.0, False, f"no column holds it: {constant[role]}"))
         else:
-            writer.add(f"  {role}:", "no column is known to hold it: {column: NAME, unit: m}")
-    if units.columns["theta"] is None and is_line:
-        writer.value("  ", "theta", ProposedValue(0.0, False, "no column holds it: does it never turn?"))
-    else:
-        writer.entry("  ", "theta", units.heading, "no column is known to hold it: {column: NAME, unit: rad}")
+            writer.add(f"  {role}:", f"no column is known to hold it: {{column: NAME, unit: {unit}}}")
     yaw = ProposedValue(round(float(units.offset.value), 4), units.offset.is_sure)
     what = "pose x, y, yaw of the cart's frame {b} in the frame that is tracked: m, rad"
     writer.add(f"  body: [0.0, 0.0, {yaw}]", what, units.offset.why)
@@ -189,7 +185,7 @@ def _arms(writer: _Writer, arms: Sequence[Arm], main: FileColumns, files: Sequen
         writer.value("    ", "force", arm.force)
         writer.add(f"    measures: [{', '.join(arm.measures)}]")
         for component in arm.measures:
-            writer.entry("    ", component, component_entry(arm, component))
+            writer.entry("    ", component, arm.entry(component))
         if arm.unmeasured is not None:
             writer.value("    ", "unmeasured", arm.unmeasured)
         if arm.latency.is_open or arm.file is not main:
@@ -205,6 +201,6 @@ def _contact(writer: _Writer, arm: Arm) -> None:
     writer.add("    contact:")
     for name in ("px", "py", "pz"):
         if name in arm.contact:
-            writer.entry("      ", name, component_entry(arm, name))
+            writer.entry("      ", name, arm.entry(name))
         else:
             writer.add(f"      {name}:", "no column holds it; a number, m, if it is constant")
