@@ -5,7 +5,6 @@ from __future__ import annotations
 import struct
 import zlib
 from collections import Counter
-from dataclasses import dataclass, field
 
 from .mcap_records import CHUNK_HEADER, FOOTER, MCAP_MAGIC, MESSAGE_HEADER, Op, pairs, record, text
 from .unpacking import zstd
@@ -14,29 +13,22 @@ CHUNK_SIZE = 1 << 20
 STATISTICS = struct.Struct("<QHIIIIQQ")
 
 
-@dataclass
 class McapFile:
     """Schemas and channels stand both in front of the data and behind it; `times` are the first and last so far."""
 
-    metadata: dict[str, dict[str, str]]
-    library: str
-    data: bytearray = field(default_factory=bytearray)
-    repeated: bytearray = field(default_factory=bytearray)
-    kinds: dict[str, int] = field(default_factory=dict)
-    counts: Counter[int] = field(default_factory=Counter)
-    times: list[int] = field(default_factory=list)
-    chunk: bytearray = field(default_factory=bytearray)
-    messages: list[tuple[int, int, int]] = field(default_factory=list)
-    chunk_indexes: list[bytes] = field(default_factory=list)
-    metadata_indexes: list[bytes] = field(default_factory=list)
-
-    def __post_init__(self) -> None:
-        self.data += MCAP_MAGIC + record(Op.HEADER, text("ros2"), text(self.library))
-        for name, values in self.metadata.items():
-            start = len(self.data)
-            self.data += record(Op.METADATA, text(name), pairs(values))
-            place = struct.pack("<QQ", start, len(self.data) - start)
-            self.metadata_indexes.append(record(Op.METADATA_INDEX, place, text(name)))
+    def __init__(self, library: str, metadata: dict[str, str]) -> None:
+        """`metadata` stand under the library's name."""
+        self.repeated, self.chunk = bytearray(), bytearray()
+        self.kinds: dict[str, int] = {}
+        self.counts: Counter[int] = Counter()
+        self.times: list[int] = []
+        self.messages: list[tuple[int, int, int]] = []
+        self.chunk_indexes: list[bytes] = []
+        self.data = bytearray(MCAP_MAGIC + record(Op.HEADER, text("ros2"), text(library)))
+        start = len(self.data)
+        self.data += record(Op.METADATA, text(library), pairs(metadata))
+        place = struct.pack("<QQ", start, len(self.data) - start)
+        self.metadata_index = record(Op.METADATA_INDEX, place, text(library))
 
     def channel(self, topic: str, kind: str, definition: str) -> int:
         """A topic's number; `definition` is the type's in ROS 2's own words."""
@@ -67,10 +59,10 @@ class McapFile:
         summary = len(self.data)
         first, last = self.times or (0, 0)
         numbers = b"".join(struct.pack("<HQ", channel, count) for channel, count in self.counts.items())
-        about = (sum(self.counts.values()), len(self.kinds), len(self.counts), 0, len(self.metadata_indexes))
+        about = (sum(self.counts.values()), len(self.kinds), len(self.counts), 0, 1)
         statistics = record(Op.STATISTICS, STATISTICS.pack(*about, len(self.chunk_indexes), first, last), text(numbers))
         footer = record(Op.FOOTER, FOOTER.pack(summary, 0, 0))
-        behind = b"".join([bytes(self.repeated), statistics, *self.chunk_indexes, *self.metadata_indexes, footer[:-4]])
+        behind = b"".join([bytes(self.repeated), statistics, *self.chunk_indexes, self.metadata_index, footer[:-4]])
         return bytes(self.data) + behind + struct.pack("<I", zlib.crc32(behind)) + MCAP_MAGIC
 
     def _repeat(self, entry: bytes) -> None:

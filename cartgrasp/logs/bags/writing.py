@@ -34,7 +34,7 @@ def write_mcap(log: RunLog, path: str | Path) -> Path:
 
     epoch, stamps = _stamps(log)
     names = _ros_names(list(log.arms))
-    file = McapFile({METADATA_NAME: {MAP_KEY: _map(log, names, epoch)}}, "cartgrasp")
+    file = McapFile(METADATA_NAME, {MAP_KEY: _map(log, names, epoch)})
     odometry = file.channel(ODOMETRY_TOPIC, ODOMETRY_TYPE, definition(ODOMETRY_TYPE))
     tf = file.channel(TF_TOPIC, TF_TYPE, definition(TF_TYPE))
     wrenches = {arm: file.channel(f"/{names[arm]}/wrench", WRENCH_TYPE, definition(WRENCH_TYPE)) for arm in log.arms}
