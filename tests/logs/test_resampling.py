@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 from scipy.interpolate import make_smoothing_spline
 
 from cartgrasp.logs.mapped.resampling import averaged, held, interpolated, stretches
-from cartgrasp.logs.mapped.smoothing_spline import _System, spline_at_noise
+from cartgrasp.logs.mapped.smoothing_spline import SplineSystem, spline_at_noise
 
 GAP = 0.25
 
@@ -81,7 +81,7 @@ def test_the_spline_is_scipys(decade):
     time, values, _ = samples()
     values = values + np.random.default_rng(1).normal(0, 0.01, len(time))
     knots = time / 0.02
-    _, value, slope = _System.of(knots, values).spline(10.0**decade)
+    _, value, slope = SplineSystem(knots, values).spline(10.0**decade)
     other = make_smoothing_spline(knots, values, lam=10.0**decade)
     round_off = 1e-11 + 2.2e-16 * 16 * 10.0**decade  # times the system's condition: 16 is the largest of QᵀQ
     assert value == pytest.approx(other(knots), abs=round_off)
@@ -94,7 +94,7 @@ def test_the_stated_noise_is_near_the_best(noise):
     time, values, slope = samples()
     noisy = values + np.random.default_rng(2).normal(0, noise, len(time))
     step = (time[-1] - time[0]) / (len(time) - 1)
-    system = _System.of((time - time[0]) / step, noisy)
+    system = SplineSystem((time - time[0]) / step, noisy)
     errors = [np.std(system.spline(10.0**decade)[2] / step - slope) for decade in np.arange(-4, 10, 0.25)]
     found = np.std(spline_at_noise(time, noisy, noise).slope_at(time) - slope)
     assert found < 2 * min(errors)

@@ -38,16 +38,15 @@ def spline_at_noise(time: Array, values: Array, noise: float) -> Spline:
     from scipy.optimize import minimize_scalar
 
     step = (time[-1] - time[0]) / (len(time) - 1)
-    system = _System.of((time - time[0]) / step, values)
+    system = SplineSystem((time - time[0]) / step, values)
 
     def risk(decade: float) -> float:
         curvature = system.curvature(10.0**decade)
         residual = 10.0**decade * system.spread(curvature)
         return float(residual @ residual + 2 * noise**2 * _freedom(len(time), decade))
 
-    best = minimize_scalar(
-        risk, bounds=(MIN_SMOOTHING_DECADE, MAX_SMOOTHING_DECADE), method="bounded", options={"xatol": 0.02}
-    )
+    decades = MIN_SMOOTHING_DECADE, MAX_SMOOTHING_DECADE
+    best = minimize_scalar(risk, bounds=decades, method="bounded", options={"xatol": 0.02})
     knots, value, slope = system.spline(10.0**best.x)
     return Spline(time[0] + step * knots, value, slope / step)
 
@@ -57,31 +56,23 @@ def _freedom(count: int, decade: float) -> float:
     return float(np.clip(count * 10.0 ** (-decade / 4) / 2**1.5, 2.0, count))
 
 
-@dataclass(frozen=True)
-class _System:
-    """R and QᵀQ as upper bands, Q by its three diagonals, for knots with a mean step of 1."""
+class SplineSystem:
+    """R (`stiffness`) and QᵀQ (`roughness`) as upper bands, Q by its three diagonals, and Qᵀ y (`right`): of values
+    (n,) at knots (n,) with a mean step of 1."""
 
-    knots: Array
-    values: Array
-    diagonals: tuple[Array, Array, Array]
-    right: Array
-    stiffness: Array
-    roughness: Array
-
-    @classmethod
-    def of(cls, knots: Array, values: Array) -> _System:
+    def __init__(self, knots: Array, values: Array) -> None:
+        self.knots, self.values = knots, values
         h = np.diff(knots)
         a, c = 1 / h[:-1], 1 / h[1:]
         b = -(a + c)
-        n = len(knots) - 2
-        stiffness, roughness = np.zeros((3, n)), np.zeros((3, n))
-        stiffness[2] = (h[:-1] + h[1:]) / 3
-        stiffness[1, 1:] = h[1:-1] / 6
-        roughness[2] = a * a + b * b + c * c
-        roughness[1, 1:] = b[:-1] * a[1:] + c[:-1] * b[1:]
-        roughness[0, 2:] = c[:-2] * a[2:]
-        right = a * values[:-2] + b * values[1:-1] + c * values[2:]
-        return cls(knots, values, (a, b, c), right, stiffness, roughness)
+        self.diagonals = a, b, c
+        self.right = a * values[:-2] + b * values[1:-1] + c * values[2:]
+        self.stiffness, self.roughness = np.zeros((3, len(b))), np.zeros((3, len(b)))
+        self.stiffness[2] = (h[:-1] + h[1:]) / 3
+        self.stiffness[1, 1:] = h[1:-1] / 6
+        self.roughness[2] = a * a + b * b + c * c
+        self.roughness[1, 1:] = b[:-1] * a[1:] + c[:-1] * b[1:]
+        self.roughness[0, 2:] = c[:-2] * a[2:]
 
     def curvature(self, smoothing: float) -> Array:
         """Second derivatives at the inner knots, (n - 2,)."""
