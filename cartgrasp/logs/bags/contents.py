@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 from collections.abc import Sequence
+from contextlib import suppress
 from dataclasses import dataclass, field
 from typing import Any
 
@@ -79,10 +80,8 @@ def contents_of(bag: Bag) -> list[TopicContent]:
     for message in bag.messages():
         samples: Sequence[Sample] = ()
         if message.kind in DECODERS:
-            try:
+            with suppress(BadMessageError):
                 samples = decode(message.raw, message.kind, bag.is_ros1)
-            except BadMessageError:
-                samples = ()
         is_tf = message.kind in TF_TYPES
         found[message.topic, None].add(message.received, samples[0] if samples and not is_tf else None)
         for sample in samples if is_tf else ():

@@ -75,16 +75,16 @@ class WholeBag(Bag):
 
     @contextmanager
     def _opened(self) -> Iterator[list[Any]]:
+        readers: list[AbstractContextManager[Any]]
+        if self.is_ros1:
+            readers = [Reader1(self.path)]
+        else:
+            files = storages_in(self.path)
+            for file in files:
+                self._check_file(file)
+            has_metadata = (self.path / "metadata.yaml").is_file()
+            readers = [Reader2(p) for p in ([self.path] if has_metadata else files)]
         with ExitStack() as stack:
-            readers: list[AbstractContextManager[Any]] = []
-            if self.is_ros1:
-                readers = [Reader1(self.path)]
-            else:
-                files = storages_in(self.path)
-                for file in files:
-                    self._check_file(file)
-                has_metadata = (self.path / "metadata.yaml").is_file()
-                readers = [Reader2(p) for p in ([self.path] if has_metadata else files)]
             yield [stack.enter_context(reader) for reader in readers]
 
     def _check_file(self, file: Path) -> None:

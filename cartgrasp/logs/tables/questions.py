@@ -8,7 +8,7 @@ from typing import Any
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
 from ...errors import FileError
-from ...yaml_file import dump_yaml, parse_yaml
+from ...yaml_file import parse_yaml
 from ..mapped.run_map import Location
 
 
@@ -46,10 +46,6 @@ def put(document: CommentedMap, where: Location, value: Any) -> None:
             node[key] = CommentedMap()
         node = node[key]
     node[int(where[-1]) if isinstance(node, CommentedSeq) else where[-1]] = value
-
-
-def copy_of(document: CommentedMap, name: str) -> CommentedMap:
-    return parse_yaml(dump_yaml(document), name)
 
 
 def _is_guess(value: Any) -> bool:

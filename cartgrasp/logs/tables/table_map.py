@@ -7,6 +7,7 @@ or another value stands there, and so is what was left blank.
 from __future__ import annotations
 
 from collections.abc import Iterator, Mapping
+from copy import deepcopy
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Annotated, Literal
@@ -18,7 +19,7 @@ from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml, validat
 from ..csv_log import PAGE
 from ..mapped.run_map import ArmEntry, Location, MapFile, Mistake, Number, PoseEntry, Positive, RunMap, Triple
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
-from .questions import copy_of, guesses, without_marks
+from .questions import guesses, without_marks
 from .units import UNITS, unit_of
 
 DIMENSIONS: Mapping[str, str] = {
@@ -168,7 +169,7 @@ def open_questions(document: CommentedMap, name: str) -> list[Question]:
     found = [Question(where, said.removesuffix("?"), GUESS_NOTE) for where, said in guesses(document)]
     if document.get("arms", 0) is None:
         found.append(Question(("arms",), None, ARMS_NOT_STATED))
-    model = validate(TableMap, without_marks(copy_of(document, name), name), name)
+    model = validate(TableMap, without_marks(deepcopy(document), name), name)
     return [*found, *(Question(where, None, why) for where, why in model.mistakes())]
 
 
