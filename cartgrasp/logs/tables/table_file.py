@@ -7,7 +7,6 @@ import math
 import re
 from collections.abc import Sequence
 from dataclasses import dataclass
-from functools import cached_property
 from pathlib import Path
 
 import numpy as np
@@ -37,18 +36,15 @@ class Table:
     decimal: str = "."
     header_line: int | None = None
 
-    @cached_property
-    def width(self) -> int:
-        return len(self.cells)
-
     def index(self, column: str | int) -> int:
         """The index, from 0, of a column that is named or numbered from 1; raises LogError."""
+        width = len(self.cells)
         if isinstance(column, int):
-            if not 1 <= column <= self.width:
-                raise self.refuse(str(column), f"there is no such column; there are 1 to {self.width}")
+            if not 1 <= column <= width:
+                raise self.refuse(str(column), f"there is no such column; there are 1 to {width}")
             return column - 1
         if self.header is None:
-            raise self.refuse(column, f"its columns have no names; give a number from 1 to {self.width}")
+            raise self.refuse(column, f"its columns have no names; give a number from 1 to {width}")
         if self.header.count(column) > 1:
             raise self.refuse(column, "stands twice in the header; give its number, from 1")
         if column not in self.header:

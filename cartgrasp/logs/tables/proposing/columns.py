@@ -73,7 +73,7 @@ class FileColumns:
     def of(cls, path: Path) -> FileColumns:
         layout = layout_of(path)
         table = read_table(path, layout.format)
-        names = table.header or tuple("" for _ in range(table.width))
+        names = table.header or ("",) * len(table.cells)
         columns = []
         for j, name in enumerate(names):
             unit = layout.units[j] if j < len(layout.units) else ""
