@@ -16,10 +16,9 @@ from cartgrasp.model import CartModel
 from cartgrasp.tracked_point import composed, in_frame, inverted
 
 from ..noise import FilterNoise
-from .pose_fits import PoseFits
 from .quantisation import dequantised
 from .sensor_noise import MotionNoise
-from .splines import Samples, SplineBasis, SplineFit
+from .splines import PoseFits, Samples, SplineBasis, SplineFit
 
 MAX_CACHED_MEMORIES = 16
 """Memories of effects that are kept for a motion."""

@@ -12,6 +12,7 @@ from dataclasses import dataclass
 from functools import cached_property
 
 import numpy as np
+from scipy.integrate import cumulative_trapezoid
 from scipy.interpolate import BSpline
 from scipy.linalg import cho_solve_banded, cholesky_banded
 from scipy.optimize import minimize_scalar
@@ -181,6 +182,40 @@ class SplineFit:
 
         decade = float(minimize_scalar(misfit, bounds=(MIN_PENALTY_DECADES, stiffest), method="bounded").x)
         return float(scale * 10.0**decade)
+
+
+@dataclass(frozen=True, eq=False)
+class PoseFits:
+    """Fits (3) of a tracked frame's pose in {s}, and what makes values and rates at times (n,) of coefficients."""
+
+    fits: tuple[SplineFit, ...]
+    time: Array
+    value: csr_array
+    rate: csr_array
+
+    def beside(self, known: Array) -> tuple[Array, Array, Array]:
+        """Poses and rates (n, 3) that keep to what is known of the rates, (n, 3), but for what is smooth; and the
+        penalties (3,) that make it so."""
+        moved = self._moved(known)
+        own = [fit.beside(self.time, (moved[:, i], known[:, i])) for i, fit in enumerate(self.fits)]
+        pose, rate = self._summed([coefficients for coefficients, _ in own], moved, known)
+        return pose, rate, np.array([penalty for _, penalty in own])
+
+    def noise_beside(self, known: Array, penalties: Array, generator: np.random.Generator) -> tuple[Array, Array]:
+        """Errors (n, 3) of such poses and rates that the sensors' noise makes, and errors of what is known."""
+        moved = self._moved(known)
+        own = [
+            fit.noise_beside(self.time, (moved[:, i], known[:, i]), penalties[i], generator)
+            for i, fit in enumerate(self.fits)
+        ]
+        return self._summed(own, moved, known)
+
+    def _moved(self, rate: Array) -> Array:
+        return np.asarray(cumulative_trapezoid(rate, self.time, axis=0, initial=0))
+
+    def _summed(self, coefficients: list[Array], moved: Array, rate: Array) -> tuple[Array, Array]:
+        own = np.column_stack(coefficients)
+        return moved + self.value @ own, rate + self.rate @ own
 
 
 def _at(samples: Samples, time: Array, known: tuple[Array, Array]) -> Array:

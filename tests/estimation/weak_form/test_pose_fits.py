@@ -3,8 +3,7 @@
 import numpy as np
 import pytest
 
-from estimation.weak_form.pose_fits import PoseFits
-from estimation.weak_form.splines import Samples, SplineBasis, SplineFit
+from estimation.weak_form.splines import PoseFits, Samples, SplineBasis, SplineFit
 
 TIME = 0.01 * np.arange(1001)
 BASIS = SplineBasis.over(0.0, 10.0, 0.05)
