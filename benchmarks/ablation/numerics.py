@@ -23,11 +23,11 @@ REASONS: dict[str, dict[str, str]] = {
         "MIN_COLUMN_RATIO": "columns that are nought",
         "ALL_ROWS": "all rows",
     },
-    "weak_form.fit": {
+    "weak_form.linearized": {
         "MAX_LINEARISATIONS": "of Gauss-Newton",
         "CONVERGENCE_SIGMAS": "of Gauss-Newton",
+        "INFORMATION_ROUNDING": "rounding",
     },
-    "weak_form.linearized": {"INFORMATION_ROUNDING": "rounding"},
     "weak_form.motion": {
         "GRID_STEP": "grid",
         "MAX_GRID_POINTS": "refuses a log",

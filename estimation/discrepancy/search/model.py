@@ -19,7 +19,7 @@ from ...log_noise.log_noise import MAD_TO_STD
 from ...prior import Prior, report_names
 from ...weak_form.balances import Balances
 from ...weak_form.coordinates import ParameterPrior, coordinates, jacobian
-from ...weak_form.fit import Nuisance, fit
+from ...weak_form.linearized import Nuisance, fit
 from ...weak_form.motion import Motion
 from ...weak_form.rows import Errors, excess_noise
 from ...weak_form.score import Folds, Score, scored
