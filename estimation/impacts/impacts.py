@@ -19,8 +19,8 @@ from cartgrasp.frames import Array, rotation_planar, wrap_angle
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..log_noise.glitches import outlying
 from ..log_noise.log_noise import noise_floor
-from ..log_noise.outliers import outlying
 from .corners import MAX_TOUCH_DURATION, MIN_POSE_NOISE, Corner, Track, corners, jump_at, reach_of, without_corner
 
 MAX_POSE_RATE = 100.0
