@@ -7,6 +7,7 @@ is that of a normal in the log of the gain, whose prior is one, too. `rows` are 
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 
 import numpy as np
 
@@ -28,6 +29,13 @@ def probabilities(log_evidence: Array, prior: Array) -> Array:
 def evidence(left: Array, whole: float, rows: float, floor: float = UNEXPLAINED_FRACTION**2) -> Array:
     """Log evidence (k,) of rivals that leave sums of squares (k,) of the whole, of which all leave a share."""
     return np.asarray(-0.5 * rows * np.log(left / whole + floor))
+
+
+def reading_probabilities(left: Sequence[tuple[Array, float]], odds: Array) -> Array:
+    """Posterior (k,) of readings with prior odds (k,), from the rows (n,) that each leaves, and the sum of squares of
+    those that it had to explain. The reading that leaves least tells how many rows are independent."""
+    shares = np.array([float(rows @ rows) / whole for rows, whole in left])
+    return probabilities(evidence(shares, 1.0, independent_rows(left[int(np.argmin(shares))][0])), odds)
 
 
 def gain_evidence(

@@ -17,7 +17,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import noise_floor
-from .evidence import WRONG_HEADING_ODDS, evidence, independent_rows, probabilities
+from .evidence import WRONG_HEADING_ODDS, independent_rows, reading_probabilities
 from .suspicion import REPORT_PROBABILITY, Suspicion
 from .windows import MIN_WINDOWS, Sums, Track, Windows
 
@@ -46,26 +46,23 @@ def heading_suspicions(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     if cart.constraints.axle_x is None or cart.constraints.no_rotation:
         return ()
     seen = {factor: displacements(Track.of(log, factor)) for factor in {one[1] for one in HEADING_READINGS}}
-    offsets, left = list[float](), list[float]()
-    least = (np.inf, np.zeros(1))
+    offsets, left = list[float](), list[tuple[Array, float]]()
     for _, factor, known, _ in HEADING_READINGS:
         part = seen[factor]
         if part is None:
             return ()
         along, across, size = part[:3]
-        psi = _best_offset(along, across)
+        psi = 0.5 * math.atan2(2 * float(along @ across), float(along @ along - across @ across))  # leaves least aside
         if known is not None:
             right = known + float(cart.rolling.angle)
             psi = right + float(np.clip(_half_turn(psi - right), -MAX_MISALIGNMENT, MAX_MISALIGNMENT))
-        aside = math.cos(psi) * across - math.sin(psi) * along
         offsets.append(_half_turn(psi))
-        left.append(float(aside @ aside) / size)
-        least = min(least, (left[-1], aside), key=lambda one: one[0])
+        left.append((math.cos(psi) * across - math.sin(psi) * along, size))
     odds = np.array(
         [1.0]
         + [WRONG_HEADING_ODDS * (KNOWN_OFFSET_FRACTION if one[2] is None else 1.0) for one in HEADING_READINGS[1:]]
     )
-    found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
+    found = reading_probabilities(left, odds)
     told = []
     for kind in ("unit", "sign", "axes", "frame"):
         which = [i for i, one in enumerate(HEADING_READINGS) if one[0] == kind]
@@ -116,11 +113,6 @@ def displacements(track: Track) -> Displacements | None:
     both = both - np.outer(turned, beside)
     left, rows = float(both[:, 1] @ both[:, 1]), max(independent_rows(both[:, 1]), 1.0)
     return Displacements(both[:, 0], both[:, 1], size, -float(beside[1]), math.sqrt(left / rows / turning))
-
-
-def _best_offset(along: Array, across: Array) -> float:
-    """The offset (rad) that leaves least sideways."""
-    return 0.5 * math.atan2(2 * float(along @ across), float(along @ along - across @ across))
 
 
 def _half_turn(angle: float) -> float:

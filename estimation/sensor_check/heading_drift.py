@@ -45,17 +45,15 @@ def heading_drift(log: RunLog, cart: CartModel) -> Drift | None:
         return None
     found, whole = _drift(track, windows), 0.0
     for _ in range(MAX_DRIFT_FITS):
-        if found is None or not _is_sure(found._replace(rate=whole + found.rate)):
+        if found is None:
             return None
         whole += found.rate
+        if not abs(whole) > max(DRIFT_SIGMAS * found.std, MIN_DRIFT_ANGLE / found.span):
+            return None
         if abs(found.rate) < found.std:
             break
         found = _drift(replace(track, heading=track.heading - whole * (track.time - track.time[0])), windows)
     return None if found is None else found._replace(rate=whole)
-
-
-def _is_sure(found: Drift) -> bool:
-    return abs(found.rate) > max(DRIFT_SIGMAS * found.std, MIN_DRIFT_ANGLE / found.span)
 
 
 def _drift(track: Track, windows: Windows) -> Drift | None:

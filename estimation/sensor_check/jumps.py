@@ -10,6 +10,7 @@ from __future__ import annotations
 import math
 
 import numpy as np
+from scipy.ndimage import maximum_filter1d
 
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
@@ -75,7 +76,7 @@ def _jumped(time: Array, track: Array, hardest: float) -> tuple[Array, Array]:
     usual = float(np.quantile(missed[even], USUAL_MISS_QUANTILE)) if even.any() else math.inf
     is_far = missed > max(JUMP_MISS_RATIO * usual, hardest * period)
     is_one = (step > JUMP_STEP_RATIOS[0] * missed) & (step < JUMP_STEP_RATIOS[1] * missed)
-    peak = missed == _largest_around(missed, rows)
+    peak = missed == maximum_filter1d(missed, 2 * rows + 1, mode="constant", cval=-math.inf)
     own = np.flatnonzero(even & is_far & is_one & peak)
     return time[at[own] + 1], missed[own]
 
@@ -88,12 +89,6 @@ def _misses(track: Array, rows: int) -> Array:
     before = np.stack([np.convolve(column, weight[::-1], "valid") for column in track.T], axis=1)
     after = np.stack([np.convolve(column, weight, "valid") for column in track.T], axis=1)
     return np.asarray(after[rows:] - before[:-rows])
-
-
-def _largest_around(values: Array, rows: int) -> Array:
-    """The largest (n,) of the values within so many rows."""
-    padded = np.pad(values, rows, constant_values=-math.inf)
-    return np.asarray(np.lib.stride_tricks.sliding_window_view(padded, 2 * rows + 1).max(axis=1))
 
 
 def _beside(step: Array, span: Array) -> Array:

@@ -12,7 +12,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from .clock import Clock, Rates, best_lags, clock
-from .evidence import evidence, gross_error_probability, independent_rows, probabilities
+from .evidence import gross_error_probability, reading_probabilities
 from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, Suspicion
 from .windows import Track
 
@@ -26,7 +26,6 @@ WRONG_VELOCITY_AXES_ODDS = 0.01
 """Odds of each way in which axes are mistaken: one log in a hundred."""
 VELOCITY_UNITS = {"mm/s": 1e-3, "cm/s": 1e-2, "km/h": 1 / 3.6, "ft/s": 0.3048}
 """What velocities are multiplied by to be m/s. Where places are in one of them and velocities aren't, its inverse."""
-YAW_RATE_UNITS = {"deg/s": math.pi / 180}
 SAME_UNIT_TOLERANCE = 0.1
 """Spread of the log gain that calibration leaves."""
 
@@ -43,7 +42,7 @@ class Sensor:
 
 VELOCITY_SENSORS = (
     Sensor("velocity", "velocities (vx, vy)", slice(0, 2), VELOCITY_UNITS),
-    Sensor("yaw_rate", "yaw rates (omega)", slice(2, 3), YAW_RATE_UNITS),
+    Sensor("yaw_rate", "yaw rates (omega)", slice(2, 3), {"deg/s": math.pi / 180}),
 )
 
 VelocityMap = Callable[[Array, Array], Array]
@@ -86,9 +85,9 @@ def corrected_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
     track, velocity = Track.of(log), log.velocity.copy()
     for sensor in VELOCITY_SENSORS:
         rates = Rates.of(track, log.time, log.velocity[:, sensor.columns])
-        wrong = (
-            [] if rates is None else _axes(log.velocity, np.interp(log.time, track.time, track.heading), rates, sensor)
-        )
+        if rates is None:
+            continue
+        wrong = _axes(log.velocity, np.interp(log.time, track.time, track.heading), rates, sensor)
         told += wrong
         fit = None if wrong else clock(rates)
         if fit is None:
@@ -103,22 +102,20 @@ def corrected_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
 
 def _axes(velocity: Array, heading: Array, rates: Rates, sensor: Sensor) -> list[Suspicion]:
     """Suspicions of a sensor's columns, by how much of what poses do each reading explains."""
-    readings, left, least = VELOCITY_READINGS[sensor.where], [], (np.inf, np.zeros(1))
+    readings, left = VELOCITY_READINGS[sensor.where], list[tuple[Array, float]]()
     for best in best_lags([rates.read_as(turn(velocity, heading)[:, sensor.columns]) for _, _, turn in readings]):
         if best is None or not best[1].any():
             return []
         _, seen, z = best
-        rest = seen - z * max(float(seen @ z), 0.0) / max(float(z @ z), 1e-300)
-        left.append(float(rest @ rest) / float(seen @ seen))
-        least = min(least, (left[-1], rest), key=lambda one: one[0])
+        left.append((seen - z * max(float(seen @ z), 0.0) / max(float(z @ z), 1e-300), float(seen @ seen)))
     odds = np.array([1.0] + [WRONG_VELOCITY_AXES_ODDS] * (len(readings) - 1))
-    found = probabilities(evidence(np.array(left), 1.0, independent_rows(least[1])), odds)
-    best_of = {kind: max((p, words) for (k, words, _), p in zip(readings, found, strict=True) if k == kind)
-               for kind in dict.fromkeys(kind for kind, *_ in readings[1:])}  # fmt: skip
+    best_of = dict[str, tuple[float, str]]()
+    for (kind, words, _), p in zip(readings, reading_probabilities(left, odds).tolist(), strict=True):
+        best_of[kind] = max(best_of.get(kind, (0.0, "")), (p, words))
     return [
-        Suspicion(k, sensor.where, float(p), None, words)
-        for k, (p, words) in best_of.items()
-        if p >= REPORT_PROBABILITY
+        Suspicion(kind, sensor.where, p, None, words)
+        for kind, (p, words) in best_of.items()
+        if kind and p >= REPORT_PROBABILITY
     ]
 
 

@@ -90,10 +90,9 @@ class Windows:
             return None
         slowest = max(float(np.median(np.diff(time))) for time in times)
         first, last = max(float(t[0]) for t in times), min(float(t[-1]) for t in times)
-        width = WINDOW_WIDTH
-        found = cls(first, last, width / (SPLINE_DEGREE + 1))
+        found = cls(first, last, WINDOW_WIDTH / (SPLINE_DEGREE + 1))
         is_whole = (MIN_WINDOWS + SPLINE_DEGREE) * found.step < last - first < MAX_WINDOWS * found.step
-        return found if slowest * MIN_WINDOW_INTERVALS <= 2 * width and is_whole else None
+        return found if slowest * MIN_WINDOW_INTERVALS <= 2 * WINDOW_WIDTH and is_whole else None
 
     @cached_property
     def basis(self) -> SplineBasis:
