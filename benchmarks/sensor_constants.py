@@ -15,7 +15,7 @@ from typing import Any
 
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.sensor_check import clipped_wrenches, frozen_wrenches, heading, heading_drift, jumps, length_unit
+from estimation.sensor_check import clipped_wrenches, frozen_wrenches, heading, heading_drift, jumps, sizes
 from estimation.sensor_check.windows import Track
 
 from .sensor_faults import OTHERS, read
@@ -41,7 +41,7 @@ def drifts(log: RunLog, cart: CartModel) -> int:
 
 
 def in_another_unit(log: RunLog, _: CartModel) -> int:
-    return bool(length_unit.length_unit_suspicions(log))
+    return bool(sizes.length_unit_suspicions(log))
 
 
 def stands(log: RunLog, _: CartModel) -> int:
@@ -65,7 +65,7 @@ CASES: tuple[tuple[ModuleType, tuple[str, ...], Told, str], ...] = (
         "poses jump 4 times by 3 cm",
     ),
     (heading_drift, ("DRIFT_SIGMAS", "MIN_DRIFT_ANGLE", "MAX_DRIFT_FITS"), drifts, "theta drifts by 0.003 rad/s"),
-    (length_unit, ("USUAL_CART_SPEED", "SPEED_INTERVAL"), in_another_unit, "x and y in mm"),
+    (sizes, ("USUAL_CART_SPEED", "SPEED_INTERVAL"), in_another_unit, "x and y in mm"),
     (heading, ("MIN_MOTION_NOISE_RATIO",), stands, "stands in noise"),
 )
 

@@ -28,10 +28,10 @@ from .fixed_wheels import wheel_suspicions
 from .heading import heading_suspicions
 from .heading_drift import drift_suspicions, heading_drift, without_drift
 from .jumps import jumps
-from .length_unit import length_unit_suspicions
 from .overview import Overview
 from .recording_artefacts import frozen, interpolated, quantised, repeated, slow, unreadable_columns
 from .repeated_rows import without_repeats
+from .sizes import length_unit_suspicions
 from .suspicion import Suspicion
 from .velocities import corrected_velocities
 from .wrenches import judged_wrenches

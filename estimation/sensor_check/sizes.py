@@ -1,16 +1,27 @@
-"""Numbers that no cart's log holds, by which nothing can be worked out."""
+"""Numbers that no cart's log holds: nothing can be worked out by them, or they are of another unit of length. How fast
+the cart would be tells of that, and no other sensor has to be believed.
+"""
 
 from __future__ import annotations
+
+import math
 
 import numpy as np
 
 from cartgrasp.errors import DataError
 from cartgrasp.logs import RunLog
 
+from .suspicion import Suspicion
+
 MAX_LOG_VALUE = 1e9
 """m, rad, m/s, N, N·m, and s of a whole log: beyond, no number is in SI units."""
 MAX_CART_SPEED, POSITION_NOISE_SIGMAS = 40.0, 10.0
 """m/s that no cart goes from one row to the next; deviations of a position, which are none of its speed."""
+POSITION_UNITS = {"mm": 0.001, "cm": 0.01, "inches": 0.0254, "feet": 0.3048}
+USUAL_CART_SPEED = 0.5
+"""m/s of a cart that is pushed."""
+SPEED_INTERVAL, SPEED_QUANTILE = 1.0, 0.9
+"""s over which speeds are taken, and the share of them that is slower than the one that counts: poses may jump."""
 
 
 def check_sizes(log: RunLog) -> None:
@@ -42,3 +53,20 @@ def check_jumps(log: RunLog, noise: float) -> None:
             f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
             "look for numbers that are not in SI units"
         )
+
+
+def length_unit_suspicions(log: RunLog) -> tuple[Suspicion, ...]:
+    """`unit` of x and y."""
+    there = np.isfinite(log.pose).all(axis=1)
+    time, place = log.time[there], log.pose[there, :2]
+    later = np.searchsorted(time, time + SPEED_INTERVAL)
+    begin = np.flatnonzero(later < len(time))
+    if not len(begin):
+        return ()
+    way, spent = place[later[begin]] - place[begin], time[later[begin]] - time[begin]
+    speed = float(np.quantile(np.linalg.norm(way, axis=1) / spent, SPEED_QUANTILE))
+    if not speed > MAX_CART_SPEED:
+        return ()
+    name, factor = min(POSITION_UNITS.items(), key=lambda unit: abs(math.log(speed * unit[1] / USUAL_CART_SPEED)))
+    words = f"x and y are in {name}: in m the cart would go at {speed:.3g} m/s; multiply them by {factor:g}"
+    return (Suspicion("unit", "pose", 0.99, factor, words),)

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.length_unit import POSITION_UNITS, length_unit_suspicions
+from estimation.sensor_check.sizes import POSITION_UNITS, length_unit_suspicions
 
 from .logs import CART, on_rail, two_hands
 
