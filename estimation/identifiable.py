@@ -59,63 +59,38 @@ def identifiability(estimate: Estimate, prior: Prior | None = None) -> Identifia
     motion could teach, even where the model does not fit it."""
     if estimate.covariance is None:
         raise UsageError("identifiability: this estimate has no covariance")
-    known = _Known.of(estimate, estimate.covariance, prior or Prior())
-    untaught = tuple(
-        Unidentifiable(tuple(known.names[i] for i in group), known.remedy(group)) for group in known.groups()
+    cart, parameters, prior = estimate.structure, estimate.model_parameters, prior or Prior()
+    free = prior.free(cart)
+    names, first = [report_names(cart)[k] for k in free], prior.deviations(cart)[free]
+    to_report = np.eye(len(parameters))
+    to_report[:N_PHI, :N_PHI] = physical_jacobian(parameters[:N_PHI])
+    to_report = to_report[free]  # takes a change of the model's parameters (p,) to the free ones as they are reported
+    covariance = to_report @ estimate.covariance @ to_report.T
+    std = np.sqrt(np.maximum(np.diagonal(covariance), np.finfo(float).tiny))
+    report = ParameterReport(cart, prior).of_free(
+        parameters, estimate.covariance, free, np.diagonal(prior.covariance(cart))[free]
     )
-    shares = np.minimum(known.std / known.first, 1.0)
-    return Identifiability(dict(zip(known.names, shares.tolist(), strict=True)), untaught)
+    of_sensors = {key for effect, _ in cart.sensor_effects for key in effect.keys}
+    untaught = []
+    for group in _groups(
+        [i for i, name in enumerate(names) if not report[name].identifiable], covariance / np.outer(std, std)
+    ):
+        together = tuple(names[i] for i in group)
+        cure: str | None = REST_REMEDY
+        if not of_sensors & set(together):  # it is for the combination that is known least, in shares of the first
+            scale = 1 / first[group]
+            _, directions = np.linalg.eigh(covariance[np.ix_(group, group)] * np.outer(scale, scale))
+            cure = remedy(estimate, free, (directions[:, -1] * scale) @ to_report[group], WrenchNoise())
+        untaught.append(Unidentifiable(together, cure))
+    shares = np.minimum(std / first, 1.0)
+    return Identifiability(dict(zip(names, shares.tolist(), strict=True)), tuple(untaught))
 
 
-@dataclass(frozen=True)
-class _Known:
-    """The q free ones, as they are reported: `names`, `first` standard deviations and `covariance` (q, q); `to_report`
-    (q, p) takes a change of the model's parameters to them; whether each was `taught`."""
-
-    estimate: Estimate
-    names: tuple[str, ...]
-    free: np.ndarray
-    first: Array
-    to_report: Array
-    covariance: Array
-    taught: tuple[bool, ...]
-
-    @classmethod
-    def of(cls, estimate: Estimate, covariance: Array, prior: Prior) -> _Known:
-        cart = estimate.structure
-        names, free = report_names(cart), prior.free(cart)
-        to_report = np.eye(len(names))
-        to_report[:N_PHI, :N_PHI] = physical_jacobian(estimate.model_parameters[:N_PHI])
-        to_report = to_report[free]
-        first = prior.deviations(cart)[free]
-        report = ParameterReport(cart, prior).of_free(
-            estimate.model_parameters, covariance, free, np.diagonal(prior.covariance(cart))[free]
-        )
-        own = tuple(names[k] for k in free)
-        taught = tuple(report[name].identifiable for name in own)
-        return cls(estimate, own, free, first, to_report, to_report @ covariance @ to_report.T, taught)
-
-    @property
-    def std(self) -> Array:
-        return np.sqrt(np.maximum(np.diagonal(self.covariance), np.finfo(float).tiny))
-
-    def groups(self) -> list[tuple[int, ...]]:
-        """Groups (indices) of parameters that were not taught, each connected by large correlations."""
-        members = [i for i, taught in enumerate(self.taught) if not taught]
-        correlation = self.covariance / np.outer(self.std, self.std)
-        group = {i: {i} for i in members}
-        for i, j in combinations(members, 2):
-            if abs(correlation[i, j]) > CONFOUNDED_CORRELATION:
-                whole = group[i] | group[j]
-                group.update(dict.fromkeys(whole, whole))
-        return sorted({tuple(sorted(one)) for one in group.values()})
-
-    def remedy(self, group: tuple[int, ...]) -> str | None:
-        """The remedy for the combination of the group that is known least, in shares of the first deviations."""
-        cart, here = self.estimate.structure, list(group)
-        of_sensors = {key for effect, _ in cart.sensor_effects for key in effect.keys}
-        if of_sensors & {self.names[i] for i in here}:
-            return REST_REMEDY
-        scale = 1 / self.first[here]
-        _, directions = np.linalg.eigh(self.covariance[np.ix_(here, here)] * np.outer(scale, scale))
-        return remedy(self.estimate, self.free, (directions[:, -1] * scale) @ self.to_report[here], WrenchNoise())
+def _groups(members: list[int], correlation: Array) -> list[list[int]]:
+    """The members in groups that large correlations connect."""
+    group = {i: {i} for i in members}
+    for i, j in combinations(members, 2):
+        if abs(correlation[i, j]) > CONFOUNDED_CORRELATION:
+            whole = group[i] | group[j]
+            group.update(dict.fromkeys(whole, whole))
+    return sorted(map(list, {tuple(sorted(one)) for one in group.values()}))
