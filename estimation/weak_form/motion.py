@@ -75,19 +75,6 @@ class Motion:
     fits: PoseFits
     pose_tb: Array
 
-    @classmethod
-    def of(
-        cls,
-        cart: CartModel,
-        grid: tuple[Array, Array, np.ndarray],
-        tracked: tuple[Twists, PoseFits],
-        noise: tuple[MotionNoise, Array, Array],
-    ) -> Motion:
-        """Motion of the cart, from that of the frame that was tracked and (time, pose, seen) on a grid."""
-        time, pose, seen = grid
-        own = cls(time, pose, *_freed(cart, tracked[0]), seen, *noise, *tracked, np.zeros(3))
-        return own.of_body(cart)
-
     def memory(self, cart: CartModel, faster: Array | float = 0.0) -> Array:
         """What a cart's effects remember (n, k) along this motion, or along one that is `faster` by (f,). Fits change
         numbers on which it does not depend, so it is kept."""
@@ -148,7 +135,8 @@ def motion_of(
     seen = np.asarray(np.isfinite(log.pose).all(axis=1))
     if seen.sum() < MIN_POSES:
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {MIN_POSES} are needed")
-    time, moving = log.time[seen], _moving_times(log)
+    time = log.time[seen]
+    moving = np.zeros(0) if log.velocity is None else log.time[np.isfinite(log.velocity).all(axis=1)]
     native = float(np.median(np.diff(time)))
     step = max(GRID_STEP, MIN_SAMPLES_PER_KNOT * native / KNOT_STEPS)
     if samples_per_knot is not None:
@@ -191,10 +179,11 @@ def motion_of(
         of_poses = np.column_stack([rate @ SplineFit(basis, [samples]).unbiased for samples in from_poses])
         of_poses = np.where(placed[:, None], of_poses, of_all)
     middle = float(np.median(time))
-    std = [np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1)]
+    pose_std, rate_std = (np.array([fit.smooth_std(middle, order) for fit in fits]) for order in (0, 1))
     twists = Twists(velocity_b, unbiased, smooth, _turned(pose[:, 2], of_poses))
-    tracked = twists, PoseFits(tuple(fits), grid, at, rate)
-    return Motion.of(cart, (grid, pose, placed | moved), tracked, (noise, std[0], std[1]))
+    freed, tracked = _freed(cart, twists), PoseFits(tuple(fits), grid, at, rate)
+    own = Motion(grid, pose, *freed, placed | moved, noise, pose_std, rate_std, twists, tracked, np.zeros(3))
+    return own.of_body(cart)
 
 
 def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array | None]:
@@ -219,11 +208,6 @@ def _acceleration(heading: Array, velocity_b: Array, bend_s: Array) -> Array:
     found[:, 0] += velocity_b[:, 2] * velocity_b[:, 1]
     found[:, 1] -= velocity_b[:, 2] * velocity_b[:, 0]
     return found
-
-
-def _moving_times(log: RunLog) -> Array:
-    """Times of the rows that have a whole velocity."""
-    return np.zeros(0) if log.velocity is None else log.time[np.isfinite(log.velocity).all(axis=1)]
 
 
 def _near(time: Array, grid: Array, gap: float) -> np.ndarray:
