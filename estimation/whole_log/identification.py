@@ -49,8 +49,8 @@ class LogFit:
     where nothing was; and what is to be said of it, in words."""
 
     name: str
-    delay: float
-    noise_excess: float
+    delay: float = 0.0
+    noise_excess: float = 1.0
     band: float | None = None
     words: tuple[str, ...] = ()
 
@@ -122,22 +122,23 @@ def identify(
     prior.free(cart)  # refuses names that the cart does not have
     tell, given = progress or (lambda _: None), cart
     logs, cart = [aligned(log, given) for log in logs], _in_time(given)
-    parts, silent = list[LogPart](), dict[int, str]()
+    parts, silent = list[LogPart](), dict[int, tuple[str]]()
     for i, log in enumerate(logs):
         try:
             parts += learnable_parts(i, log, cart, noise)
         except NothingSaidError as error:
-            silent[i] = str(error)
+            silent[i] = (str(error),)
         tell((i + 1) / (len(logs) + 2))
     if not parts:
         return _as_believed(logs, given, prior, silent)
     try:
         with np.errstate(over="raise", invalid="raise"):
             found = _fitted(logs, cart, prior, parts, silent)
+        if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
+            raise FloatingPointError("the fit is not finite")
     except (np.linalg.LinAlgError, FloatingPointError) as error:
-        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units") from error
-    if not np.isfinite(found.model_parameters).all() or not np.isfinite(found.covariance).all():
-        raise DataError(f"{_names(logs)}: can't be fitted; look for numbers that are not in SI units")
+        names = ", ".join(log.name for log in logs)
+        raise DataError(f"{names}: can't be fitted; look for numbers that are not in SI units") from error
     return found if given is cart else _late_again(found, given)
 
 
@@ -159,7 +160,7 @@ def _late_again(found: Identification, cart: CartModel) -> Identification:
 
 
 def _fitted(
-    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, str]
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, parts: Sequence[LogPart], silent: dict[int, tuple[str]]
 ) -> Identification:
     model = _as_loud(Model.started([part.balances for part in parts], cart, prior, CLOCK_STD))
     found = corrected(replace(model, at_bound=None))
@@ -169,11 +170,7 @@ def _fitted(
         fits = tuple(replace(fit, words=(*fit.words, why)) for fit in fits)
         return replace(_as_believed(logs, cart, prior, {}), logs=fits, refused=why)
     found = found.between(pooled([(part.band, part.band.open_share) for part in parts if part.band is not None]))
-    values, std = found.physical()
-    taught = found.taught(prior.deviations(cart))
-    held = _held(logs, cart, prior)
-    rows = zip(report_names(cart), report_units(cart), values.tolist(), std.tolist(), taught.tolist(), strict=True)
-    told = {n: ParameterEstimate(v, 0.0 if n in held else s, unit, known) for n, unit, v, s, known in rows}
+    told = _told(logs, cart, prior, *found.physical(), found.taught(prior.deviations(cart)))
     return Identification(cart, found.model.cart.parameters, found.parameter_covariance, told, fits)
 
 
@@ -190,29 +187,33 @@ def _as_loud(model: Model) -> Model:
     return model
 
 
-def _as_believed(logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, str]) -> Identification:
+def _as_believed(
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, silent: dict[int, tuple[str]]
+) -> Identification:
     """The first guess."""
-    body, held = cart.inertia, _held(logs, cart, prior)
-    values = [body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:].tolist()]
-    rows = zip(report_names(cart), report_units(cart), values, prior.deviations(cart).tolist(), strict=True)
-    told = {n: ParameterEstimate(float(v), 0.0 if n in held else s, unit, False) for n, unit, v, s in rows}
+    body = cart.inertia
+    values = np.array([body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:]])
+    told = _told(logs, cart, prior, values, prior.deviations(cart), np.zeros(len(values), dtype=bool))
     covariance, free = np.zeros((len(cart.parameters),) * 2), prior.free(cart)
     covariance[np.ix_(free, free)] = prior.covariance(cart)[np.ix_(free, free)]
-    fits = tuple(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))) for i, log in enumerate(logs))
+    fits = tuple(LogFit(log.name, words=silent.get(i, ())) for i, log in enumerate(logs))
     return Identification(cart, cart.parameters.copy(), covariance, told, fits)
 
 
-def _held(logs: Sequence[RunLog], cart: CartModel, prior: Prior) -> set[str]:
-    """Names of what is known, or taken as given where nobody pushes."""
-    held = prior.held(cart)
+def _told(
+    logs: Sequence[RunLog], cart: CartModel, prior: Prior, values: Array, std: Array, taught: np.ndarray
+) -> dict[str, ParameterEstimate]:
+    """The parameters (p,) by name: what is known, or taken as given where nobody pushes, has no deviation."""
+    names, held, given = report_names(cart), prior.held(cart), as_given(logs, cart)
     if cart.constraints.no_rotation:
         held[1:N_PHI] = False
-    known = {name for name, is_held in zip(report_names(cart), held, strict=True) if is_held}
-    return known | set(as_given(logs, cart))
+    std = np.where(held | [name in given for name in names], 0.0, std)
+    rows = zip(values.tolist(), std.tolist(), report_units(cart), taught.tolist(), strict=True)
+    return {name: ParameterEstimate(*row) for name, row in zip(names, rows, strict=True)}
 
 
 def _log_fits(
-    logs: Sequence[RunLog], model: Model, parts: Sequence[LogPart], silent: dict[int, str]
+    logs: Sequence[RunLog], model: Model, parts: Sequence[LogPart], silent: dict[int, tuple[str]]
 ) -> tuple[LogFit, ...]:
     """The fit of each log; of a log that is cut, the longest part tells."""
     excess, delays = _excess(model), model.score.fit[-len(parts) :]
@@ -221,7 +222,7 @@ def _log_fits(
     for i, log in enumerate(logs):
         own = [k for k, part in enumerate(parts) if part.log == i]
         if not own:
-            found.append(LogFit(log.name, 0.0, 1.0, None, _said(silent.get(i))))
+            found.append(LogFit(log.name, words=silent.get(i, ())))
             continue
         k = max(own, key=lambda k: len(parts[k].balances.used))
         delay = -float(delays[k]) / parts[k].balances.sample_step
@@ -251,11 +252,3 @@ def _excess(model: Model) -> list[float]:
         whiten = Errors.of(balances, model.cart).whitening(none, none, whole)
         found.append(float(((whiten(left) ** 2).sum(axis=0) / whiten.counts.sum(axis=0)).max()))
     return found
-
-
-def _said(words: str | None) -> tuple[str, ...]:
-    return () if words is None else (words,)
-
-
-def _names(logs: Sequence[RunLog]) -> str:
-    return ", ".join(log.name for log in logs)
