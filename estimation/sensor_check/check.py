@@ -7,9 +7,9 @@ something else, and only who recorded it knows.
 
 from __future__ import annotations
 
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from contextlib import suppress
-from dataclasses import dataclass
+from dataclasses import asdict, dataclass
 from itertools import pairwise
 from typing import Any
 
@@ -23,7 +23,7 @@ from ..log_noise.glitches import without_glitches
 from ..log_noise.sentinel_values import without_sentinels
 from ..weak_form.balances import Balances
 from ..weak_form.log_segments import MAX_SEGMENT_POSE_GAP, split_at_gaps
-from ..weak_form.motion import Motion, motion_of
+from ..weak_form.motion import motion_of
 from .fixed_wheels import wheel_suspicions
 from .heading import heading_suspicions
 from .heading_drift import drift_suspicions, heading_drift, without_drift
@@ -58,10 +58,9 @@ def corrected_log(log: RunLog, cart: CartModel | None) -> CorrectedLog:
     drift = None if cart is None else heading_drift(clean, cart)
     clean = without_drift(clean, drift)
     right, of_speeds = corrected_velocities(clean)
-    headed = () if cart is None else (*heading_suspicions(clean, cart), *frozen(log, cart))
     told = (
         *length_unit_suspicions(log),
-        *headed,
+        *(() if cart is None else (*heading_suspicions(clean, cart), *frozen(log, cart))),
         *drift_suspicions(drift),
         *of_speeds,
         *repeated(log, fresh),
@@ -86,7 +85,7 @@ class LogInspection:
         """The look as `cartgrasp check` says it."""
         fields = ("kind", "where", "probability", "factor", "words")
         told = [{name: getattr(one, name) for name in fields} for one in self.suspicions]
-        return {**self.overview.as_dict(), "suspicions": told, "unjudged": self.unjudged}
+        return {**asdict(self.overview), "suspicions": told, "unjudged": self.unjudged}
 
 
 def look_at(log: RunLog, cart: CartModel | None) -> LogInspection:
@@ -95,19 +94,20 @@ def look_at(log: RunLog, cart: CartModel | None) -> LogInspection:
     told, log = unreadable_columns(log), without_sentinels(log)
     parts = split_at_gaps(without_glitches(log), MAX_SEGMENT_POSE_GAP)
     longest = max(parts, key=len)
+    others = [part for part in parts if part is not longest]
     sensors, of_arms = corrected_log(longest, cart), tuple[Suspicion, ...]()
     is_odd = any(one.kind == "unit" and one.where == "pose" for one in sensors.suspicions)
     if cart is None or is_odd:
-        motion, unjudged = (
-            motion_of(sensors.log, UNCONSTRAINED_CART),
-            ODD_POSES if is_odd else NO_CART if log.arms else "",
-        )
+        motions, unjudged = [motion_of(sensors.log, UNCONSTRAINED_CART)], NO_CART if log.arms else ""
+        unjudged = ODD_POSES if is_odd else unjudged
     else:
         balances = Balances.of(sensors.log, cart)
-        motion, (of_arms, unjudged) = balances.motion, judged_wrenches(balances, cart)
+        motions, (of_arms, unjudged) = [balances.motion], judged_wrenches(balances, cart)
         of_arms = (*of_arms, *wheel_suspicions(balances, cart))
-    motions = [motion, *_motions(part for part in parts if part is not longest)]
-    jumped = (one for part in parts if part is not longest for one in jumps(part))
+    for part in others:
+        with suppress(DataError):  # it is too short
+            motions.append(motion_of(corrected_log(part, None).log, UNCONSTRAINED_CART))
+    jumped = (one for part in others for one in jumps(part))
     found = (*told, *sensors.suspicions, *of_arms, *jumped, *_holes(parts))
     return LogInspection(Overview.of(log, motions), tuple(sorted(found, key=lambda one: not one.is_refused)), unjudged)
 
@@ -115,13 +115,6 @@ def look_at(log: RunLog, cart: CartModel | None) -> LogInspection:
 def check_sensors(log: RunLog, cart: CartModel | None) -> tuple[Suspicion, ...]:
     """What is suspected, as `look_at` has it."""
     return look_at(log, cart).suspicions
-
-
-def _motions(parts: Iterable[RunLog]) -> Iterator[Motion]:
-    """The motions of the parts that are long enough."""
-    for part in parts:
-        with suppress(DataError):
-            yield motion_of(corrected_log(part, None).log, UNCONSTRAINED_CART)
 
 
 def _holes(parts: Sequence[RunLog]) -> Iterator[Suspicion]:

@@ -76,10 +76,6 @@ class Rates:
         """The same rows and poses with other rates (n, d)."""
         return replace(self, rate=rate[self.there])
 
-    def on(self, lag: float) -> Sums:
-        """The windows' sums over velocities that are `lag` s late."""
-        return self.windows.on(self.time, lag)
-
     def by(self, sums: Sums) -> tuple[Array, Array, float] | None:
         """What is seen (n,), its columns by 1/gain and by lag (n, 2), both beside levers, and what noise of variance 1
         adds to the latter's sum of squares. None where windows are too few."""
@@ -99,11 +95,10 @@ LagFit = tuple[float, Array, Array]
 
 
 def best_lags(readings: Sequence[Rates]) -> list[LagFit | None]:
-    """For rates at the same rows, read in several ways: the lag of a coarse grid that leaves least, for each
-    reading."""
+    """The lag of a coarse grid that leaves least, for rates at the same rows that are read in several ways."""
     tried: list[list[tuple[float, LagFit]]] = [[] for _ in readings]
     for lag in np.arange(-MAX_VELOCITY_LAG, MAX_VELOCITY_LAG + LAG_GRID_STEP / 2, LAG_GRID_STEP).tolist():
-        sums = readings[0].on(lag)
+        sums = readings[0].windows.on(readings[0].time, lag)
         for rates, own in zip(readings, tried, strict=True):
             found = rates.by(sums)
             if found is not None:
@@ -120,7 +115,7 @@ def clock(rates: Rates | None) -> Clock | None:
         return None
     lag, variance = start[0], sum(white_noise(column) ** 2 for column in rates.rate.T)
     for _ in range(MAX_LAG_ITERATIONS):
-        found = rates.by(rates.on(lag))
+        found = rates.by(rates.windows.on(rates.time, lag))
         if found is None:
             return None
         seen, columns, noise = found

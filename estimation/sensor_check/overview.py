@@ -2,9 +2,8 @@
 
 from __future__ import annotations
 
-from collections.abc import Mapping, Sequence
-from dataclasses import asdict, dataclass
-from typing import Any
+from collections.abc import Sequence
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -65,7 +64,6 @@ class Overview:
         pose = np.column_stack([log.pose[:, :2], unwrapped(log.pose[:, 2])])
         sensors = {"pose": (pose, 2)} | ({} if log.velocity is None else {"velocity": (log.velocity, 2)})
         sensors |= {name: (arm.wrench, 3) for name, arm in log.arms.items()}
-        twists = [motion.twists for motion in motions]
         return cls(
             rows=len(log),
             span=log.duration,
@@ -74,14 +72,9 @@ class Overview:
             travelled=sum(float(motion.way[-1]) for motion in motions),
             turned=sum(float(np.abs(np.diff(motion.pose[:, 2])).sum()) for motion in motions),
             fastest=_largest([motion.speed[motion.seen] for motion in motions]),
-            hardest=_largest(
-                [np.hypot(*one.smooth_acceleration[m.seen, :2].T) for m, one in zip(motions, twists, strict=True)]
-            ),
+            hardest=_largest([np.hypot(*one.twists.smooth_acceleration[one.seen, :2].T) for one in motions]),
             sensors=tuple(SensorRows.of(k, log.time, *rows, has_size=k != "pose") for k, rows in sensors.items()),
         )
-
-    def as_dict(self) -> Mapping[str, Any]:
-        return asdict(self)
 
 
 def _noise(columns: Array) -> float | None:
