@@ -1,7 +1,8 @@
 """Noise floors read off a log: what is left of a channel when everything smooth is taken out.
 
 Third differences annihilate a quadratic, and turn white noise of variance s² into 20 s²; their median size is robust
-to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work.
+to jumps. What the log's motion can't show, the disturbance, is taken as a share of the forces at work. Velocities and
+poses of two sensors may tell different motions: late, scaled or turned ones are as quiet as any, and wrong for long.
 """
 
 from __future__ import annotations
@@ -16,7 +17,6 @@ from cartgrasp.logs.body_poses import at_body
 from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
-from .disagreement import velocity_noise
 from .resolution import ROUNDING_STD, resolution
 from .velocity_autocorrelation import noise_scale
 
@@ -25,6 +25,14 @@ DISTURBANCE_FRACTION = 0.01
 THIRD_DIFFERENCE_GAIN = 20**0.5
 MAD_TO_STD = 1.4826
 MIN_NOISE_FLOOR_SAMPLES = 8
+COMPARED_SPAN = 0.5
+"""s over which velocities are summed and held against the way between two poses."""
+MIN_COMPARED_SPANS = 12
+"""Spans that tell how far they usually are apart."""
+SPREAD_QUANTILE, SPREAD_QUANTILE_SIGMAS = 0.9, 1.645
+"""Quantile of normal numbers' sizes, and how many deviations it is: single glitches don't reach it."""
+DISAGREEMENT_VARIANCE_RATIO = 2.0
+"""Times the variance that noise alone makes, beyond which they disagree."""
 
 
 def noise_of_log(log: RunLog, cart: CartModel) -> FilterNoise:
@@ -86,6 +94,27 @@ def pose_noise(pose: Array, usual: tuple[float, float] = (0.0, 0.0)) -> tuple[fl
     x, y, heading = *pose[:, :2].T, unwrapped(pose[:, 2])
     position = max(white_noise(x, usual[0]), white_noise(y, usual[0]), MIN_POSITION_NOISE)
     return position, max(white_noise(heading, usual[1]), MIN_POSITION_NOISE)
+
+
+def velocity_noise(time: Array, place: Array, velocity: Array, white: tuple[float, float]) -> float:
+    """Standard deviation of white noise of a velocity (n,) that spoils ways as much as they differ from those between
+    places (n,); of places and velocities that agree, what they have: `white`."""
+    of_place, of_velocity = white
+    seen = np.isfinite(place) & np.isfinite(velocity)
+    time, place, velocity = time[seen], place[seen], velocity[seen]
+    if len(time) < MIN_COMPARED_SPANS:
+        return of_velocity
+    step = float(np.median(np.diff(time)))
+    ends = np.flatnonzero(np.diff(np.floor((time - time[0]) / COMPARED_SPAN), prepend=-1.0))
+    whole = np.diff(time[ends]) < 2.0 * COMPARED_SPAN  # without a hole
+    way = np.append(0.0, np.cumsum(np.diff(time) * (velocity[1:] + velocity[:-1]) / 2.0))
+    off = (np.diff(place[ends]) - np.diff(way[ends]))[whole]
+    if len(off) < MIN_COMPARED_SPANS:
+        return of_velocity
+    spread = float(np.quantile(np.abs(off), SPREAD_QUANTILE) / SPREAD_QUANTILE_SIGMAS) ** 2
+    foretold = 2.0 * of_place**2 + of_velocity**2 * step * COMPARED_SPAN
+    more = (spread - foretold) / (step * COMPARED_SPAN) if spread > DISAGREEMENT_VARIANCE_RATIO * foretold else 0.0
+    return float(np.sqrt(of_velocity**2 + more))
 
 
 def _noise_scale(log: RunLog, cart: CartModel) -> float:

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from estimation.log_noise.disagreement import COMPARED_SPAN, velocity_noise
+from estimation.log_noise.log_noise import COMPARED_SPAN, velocity_noise
 
 PLACE, VELOCITY, STEP = 0.0005, 0.005, 0.01
 
