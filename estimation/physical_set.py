@@ -134,8 +134,9 @@ class PhysicalSet:
             moments = cp.reshape(found[1:3], (2, 1), order="C")
             second = (found[3] - (1 + BOUND_MARGIN) * self.about_com) * np.eye(2)
             limits.append(cp.bmat([[cp.reshape(found[0], (1, 1), order="C"), moments.T], [moments, second]]) >> 0)
-        limits += [found[N_PHI + i] >= self.lower[i] for i in self._limited(self.lower, free)]
-        limits += [found[N_PHI + i] <= self.upper[i] for i in self._limited(self.upper, free)]
+        of_effects = [int(i) for i in free - N_PHI if i >= 0]
+        limits += [found[N_PHI + i] >= self.lower[i] for i in of_effects if np.isfinite(self.lower[i])]
+        limits += [found[N_PHI + i] <= self.upper[i] for i in of_effects if np.isfinite(self.upper[i])]
         problem = cp.Problem(cp.Minimize(cp.sum_squares(root @ step)), limits)
         try:
             with warnings.catch_warnings():
@@ -150,9 +151,6 @@ class PhysicalSet:
     def _none(self) -> DataError:
         why = "no physical cart could be fitted; look in the log and the cart file for numbers that are not in SI units"
         return DataError(f"{self.source}: {why}")
-
-    def _limited(self, bounds: Array, free: np.ndarray) -> list[int]:
-        return [int(i) for i in np.flatnonzero(np.isfinite(bounds)) if N_PHI + i in free]
 
 
 def _least(metric: Array, low: Array, high: Array) -> Array:

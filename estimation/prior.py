@@ -14,8 +14,6 @@ from cartgrasp.inertia import N_PHI, physical_jacobian
 from cartgrasp.model import CartModel
 
 PHYSICAL_UNITS = ("kg", "m", "m", "kg·m²")
-
-
 KNOWN_STD_RATIO = 1e-3
 """Share of a usual deviation, for what is known of a body whose mass is not: only its moments enter linearly."""
 
@@ -111,11 +109,9 @@ class Prior:
         check_known("prior: std", self.std, names)
         for name, std in {**told, **self.std}.items():
             deviations[names.index(name)] = std
-        sure = self._is_sure(cart)
-        sure[0] = False
-        return np.array(deviations) * np.where(
-            np.append(sure, np.zeros(len(names) - N_PHI, dtype=bool)), KNOWN_STD_RATIO, 1.0
-        )
+        found = np.array(deviations)
+        found[1:N_PHI] *= np.where(self._is_sure(cart)[1:], KNOWN_STD_RATIO, 1.0)
+        return found
 
     def _is_sure(self, cart: CartModel) -> np.ndarray:
         """Which of a body's numbers (4,) are known where not all are."""

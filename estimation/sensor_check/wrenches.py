@@ -132,9 +132,8 @@ def judged_wrenches(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicio
     for i, name in enumerate(balances.wrenches.arms):
         wrong = [j for j, r in enumerate(readings) if i in r.arms]
         by_kind = {kind: [j for j in wrong if kind in readings[j].kinds] for kind in WRENCH_FAULT_KINDS}
-        for kind, probability in _reported_kinds(
-            float(posterior[wrong].sum()), {k: posterior[v] for k, v in by_kind.items()}
-        ):
+        sums = {kind: float(posterior[own].sum()) for kind, own in by_kind.items()}
+        for kind, probability in _reported_kinds(float(posterior[wrong].sum()), sums).items():
             most = max(by_kind[kind], key=lambda j: float(posterior[j]))
             factor, words = _words(kind, readings[most], (float(masses[0]), float(masses[most])), cart)
             told.append(Suspicion(kind, name, probability, factor, f"{printable(name)}: {words}"))
@@ -165,18 +164,16 @@ def _leave_third_out(known: KnownBalances) -> Iterator[KnownBalances]:
         yield known[0].rows(kept), *(None if one is None else one.rows(kept) for one in known[1:])  # type: ignore[misc]
 
 
-def _reported_kinds(whole: float, by_kind: dict[str, Array]) -> Iterator[tuple[str, float]]:
+def _reported_kinds(whole: float, found: dict[str, float]) -> dict[str, float]:
     """The kinds worth a line. Where it is sure that something is wrong (`whole`), and not what, the likeliest stands
     for all."""
-    found = {kind: float(posterior.sum()) for kind, posterior in by_kind.items()}
     likeliest = max(found, key=lambda kind: found[kind])
     if whole >= REFUSAL_PROBABILITY > found[likeliest]:
-        yield likeliest, whole
-        return
+        return {likeliest: whole}
     least = {"unit": UNIT_REPORT_PROBABILITY}
-    yield from (
-        (kind, probability) for kind, probability in found.items() if probability >= least.get(kind, REPORT_PROBABILITY)
-    )
+    return {
+        kind: probability for kind, probability in found.items() if probability >= least.get(kind, REPORT_PROBABILITY)
+    }
 
 
 def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartModel) -> tuple[float | None, str]:
@@ -284,11 +281,8 @@ def _beside(columns: Array, signals: Array, own: int) -> Balance | None:
 def _orthogonal(columns: Array) -> Array:
     """A basis (k, q) of columns (k, p), but for those that are nothing."""
     sizes = np.linalg.norm(columns, axis=0)
-    live = (
-        columns[:, sizes > NEGLIGIBLE_DIRECTION_RATIO * sizes.max(initial=0.0)]
-        / sizes[sizes > NEGLIGIBLE_DIRECTION_RATIO * sizes.max(initial=0.0)]
-    )
-    left, values, _ = np.linalg.svd(live, full_matrices=False)
+    live = sizes > NEGLIGIBLE_DIRECTION_RATIO * sizes.max(initial=0.0)
+    left, values, _ = np.linalg.svd(columns[:, live] / sizes[live], full_matrices=False)
     return np.asarray(left[:, values > NEGLIGIBLE_DIRECTION_RATIO * values.max(initial=0.0)])
 
 

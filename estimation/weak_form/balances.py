@@ -159,8 +159,7 @@ class Balances:
         return np.asarray(self.motion.time[self.integrals.middles])
 
     def overlap(self, order: int, lag: int) -> float:
-        """Integral of a test function's derivative of some order times that of the one `lag` rows later (1/s^(2 order -
-        1))."""
+        """Overlap of two test functions' derivatives, as `Integrals` has it."""
         return self.integrals.overlap(order, lag)
 
     def integrated(self, signals: Array) -> Array:
@@ -211,8 +210,7 @@ class Balances:
         return left, slopes
 
     def _left(self, cart: CartModel) -> tuple[Array, Array]:
-        """Residual and slopes as in `residual`, but for the slopes by parameters that move {b} in the frame that is
-        tracked."""
+        """Residual and slopes as in `residual`, but for slopes by parameters that move {b} in the tracked frame."""
         own = self.of_body(cart)
         state = own._state(cart)
         rows = self.integrals.by_parts(lambda part: own._left_along(cart, state, part))
@@ -233,8 +231,7 @@ class Balances:
         return found
 
     def _by_pose(self, cart: CartModel, i: int, left: Array) -> Array:
-        """What a unit of the i-th parameter, which moves {b} in the frame that is tracked, takes away (k, c) of what is
-        left."""
+        """What a unit of the i-th parameter, which moves {b} in the tracked frame, takes of what is left (k, c)."""
         more = cart.with_parameters(cart.parameters + POSE_STEP * np.eye(len(cart.parameters))[i])
         return np.asarray((left - self._left(more)[0]) / POSE_STEP)
 

@@ -171,13 +171,13 @@ def model_error(balances: Balances, cart: CartModel) -> tuple[Array, Array, Arra
     total = balances.wrenches.planar(cart) @ cart.basis_b
     size = np.sqrt((total**2).mean(axis=0))
     own = weight * np.exp(-((speed / DRY_FRICTION_SPEED) ** 2))[:, None] * levers
-    effects = np.abs(_effects(balances, cart, 0.0))
+    effects = np.abs(_effects(balances, cart))
     swung = np.zeros_like(effects)
     if free > 1:
         swinging = _swinging(balances)
         if not cart.wheel_set.lists_casters:
             dry = _dry(cart)
-            drags = np.abs(_effects(balances, dry, 0.0) - _effects(balances, dry, -1.0))
+            drags = np.abs(_effects(balances, dry) - _effects(balances, dry, -balances.of_body(dry).motion.velocity))
             swung = CASTER_WEIGHT_FRACTION * swinging[:, None] * drags
         swung[:, -1] = np.hypot(swung[:, -1], weight * HALF_TRACK * swinging)
     forms = np.sqrt((BODY_FORM_ERROR_RATIO * size) ** 2 + (EFFECT_FORM_ERROR_RATIO * effects) ** 2 + swung**2)
@@ -229,25 +229,20 @@ def _poised_error(balances: Balances, cart: CartModel) -> Array:
 
 def _with_soft_edges(effect: Effect) -> tuple[Array, Array]:
     """Values of an effect that is there for a little less, and a little more, time or place."""
-    less, more = effect.values.copy(), effect.values.copy()
+    values, edge = effect.values, np.array([LOAD_ONSET_TIME])
     if effect.gate is Gate.INSIDE:
-        edge = min(SOFT_EDGE_WIDTH, float(min(less[1] - less[0], less[3] - less[2])) / 3)
-        less[:4] += edge * np.array([1.0, -1.0, 1.0, -1.0])
-        more[:4] -= edge * np.array([1.0, -1.0, 1.0, -1.0])
+        width = min(SOFT_EDGE_WIDTH, float(min(values[1] - values[0], values[3] - values[2])) / 3)
+        edge = width * np.array([1.0, -1.0, 1.0, -1.0])
     elif effect.gate is Gate.WHILE:
-        edge = PUSH_RISE_FRACTION * float(less[1])
-        less[:2] += edge * np.array([1.0, -2.0])
-        more[:2] -= edge * np.array([1.0, -2.0])
-    else:
-        less[0] += LOAD_ONSET_TIME
-        more[0] -= LOAD_ONSET_TIME
-    return less, more
+        edge = PUSH_RISE_FRACTION * float(values[1]) * np.array([1.0, -2.0])
+    edge = np.pad(edge, (0, len(values) - len(edge)))
+    return values + edge, values - edge
 
 
-def _effects(balances: Balances, cart: CartModel, share: float, faster: Array | float = 0.0) -> Array:
-    """What a cart's effects give (n, f) if it goes by a share of its velocity, and by a velocity (f,), faster."""
-    state, free = balances.state(cart), cart.constraints.n_free
-    state[:, 3 : 3 + free] += share * state[:, 3 : 3 + free] + faster
+def _effects(balances: Balances, cart: CartModel, faster: Array | float = 0.0) -> Array:
+    """What a cart's effects give (n, f) if it goes faster by velocities (n, f) or (f,)."""
+    state = balances.state(cart)
+    state[:, 3 : 3 + cart.constraints.n_free] += faster
     return _effects_at(balances, cart, state)
 
 
@@ -267,8 +262,7 @@ def _turned(balances: Balances, cart: CartModel, levers: Array) -> Array:
         faster = np.zeros(len(levers))
         faster[i] = DRY_FRICTION_SPEED / lever
         near, far = (
-            np.abs(_effects(balances, dry, 0.0, k * faster) - _effects(balances, dry, 0.0, -k * faster)) / k
-            for k in (1, 3)
+            np.abs(_effects(balances, dry, k * faster) - _effects(balances, dry, -k * faster)) / k for k in (1, 3)
         )
         found = np.maximum(found, 0.75 * (near - far))
     return found

@@ -126,10 +126,8 @@ class GridWrenches:
     def _felt(self, cart: CartModel, part: slice) -> Array:
         """Maps (arms, n, f, 6) from a change of an arm's recorded wrench to that of the reduced wrench that acts."""
         unit, none = np.eye(6), np.zeros((6, 6))
-        maps = np.empty((len(self.arms), 6, 6))
-        for own, arm in zip(maps, self.arms, strict=True):
-            own[:] = (cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0]).T
-        return np.asarray(cart.basis_b.T @ self.grasps[:, part] @ maps[:, None])
+        maps = [(cart.corrected_wrench(arm, unit)[0] - cart.corrected_wrench(arm, none)[0]).T for arm in self.arms]
+        return np.asarray(cart.basis_b.T @ self.grasps[:, part] @ np.reshape(maps, (-1, 1, 6, 6)))
 
     def slopes(self, cart: CartModel, expected: Array, densities: Densities, part: slice = WHOLE_GRID) -> Array:
         """Slopes (n, f, p) of the reduced wrench by the parameters of the cart's sensor effects, at the wrenches that

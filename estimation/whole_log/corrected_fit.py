@@ -75,13 +75,10 @@ class CorrectedFit:
     def taught(self, first: Array) -> np.ndarray:
         """Which (p,) are known much better than they were believed at first, with standard deviations (p,)."""
         values, std = self.physical()
-        prior = self.model.prior
-        own = np.full(len(std), np.inf)
-        own[self.free] = _deviations(self.covariance, len(self.free))
-        shrunk = own < IDENTIFIABLE_STD_RATIO * prior.std
-        return np.asarray(
-            prior.free & shrunk & (std < IDENTIFIABLE_STD_RATIO * first) & ~self.at_bound & np.isfinite(values)
-        )
+        shrunk = np.zeros(len(std), dtype=bool)
+        own = _deviations(self.covariance, len(self.free))
+        shrunk[self.free] = own < IDENTIFIABLE_STD_RATIO * self.model.prior.std[self.free]
+        return np.asarray(shrunk & (std < IDENTIFIABLE_STD_RATIO * first) & ~self.at_bound & np.isfinite(values))
 
     @property
     def parameter_covariance(self) -> Array:
