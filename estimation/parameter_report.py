@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping, Sequence
+from collections.abc import Callable, Iterator, Mapping
 from dataclasses import replace
 from functools import cached_property
 from typing import final
@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
 from .health import Health
-from .physical_set import BOUND_MARGIN, MIN_INERTIA_RATIO, MIN_MASS_RATIO
+from .physical_set import BOUND_MARGIN, PhysicalSet
 from .prior import Prior, report_names, report_units
 
 BOUND_TOLERANCE = 2.0 * BOUND_MARGIN
@@ -27,17 +27,13 @@ IDENTIFIABLE_STD_RATIO = 0.25
 class ParameterReport:
     """Reports a cart's parameters against what was believed of them at first."""
 
-    def __init__(self, cart: CartModel, prior: Prior, limits: Sequence[tuple[float, float]] | None = None) -> None:
-        """`limits` (low, high) of mass, CoM and inertia, where an estimator has its own."""
+    def __init__(self, cart: CartModel, prior: Prior) -> None:
         self.cart = cart
         self._prior_std = prior.deviations(cart)
         self._names = tuple(zip(report_names(cart), report_units(cart), strict=True))
-        unlimited, least = (-np.inf, np.inf), (MIN_MASS_RATIO, MIN_INERTIA_RATIO)
-        mass, inertia = least[0] * cart.inertia.mass, least[1] * cart.inertia.about_com
-        bounds = list(limits or ((mass, np.inf), unlimited, unlimited, (inertia, np.inf)))
-        bounds += [(p.lower, p.upper) for effect in cart.effects for p in effect.parameters]
-        lower, upper = np.array(bounds).T
-        self._lower, self._upper = lower + BOUND_TOLERANCE * self._prior_std, upper - BOUND_TOLERANCE * self._prior_std
+        limits, margin = PhysicalSet.of(cart, cart.name), BOUND_TOLERANCE * self._prior_std
+        self._lower = np.array([limits.mass, -np.inf, -np.inf, limits.about_com, *limits.lower]) + margin
+        self._upper = np.append(np.full(N_PHI, np.inf), limits.upper) - margin
 
     def of(self, theta: Array, covariance: Array, share: Array) -> dict[str, ParameterEstimate]:
         """The model's parameters (p,) and their covariance (p, p) by name. `share` (p,) is what is left of the first
