@@ -64,22 +64,17 @@ class Balances:
 
     @classmethod
     def of(
-        cls,
-        log: RunLog,
-        cart: CartModel,
-        row_step: float = 0.1,
-        told: FilterNoise | None = None,
-        samples_per_knot: float | None = None,
+        cls, log: RunLog, cart: CartModel, told: FilterNoise | None = None, samples_per_knot: float | None = None
     ) -> Balances:
-        """`row_step` (s) from one test function to the next: what is faster than half of its inverse is left out. The
-        motion is as `motion_of` has it."""
+        """Rows a tenth of a second apart, of a motion as `motion_of` has it."""
         motion = motion_of(log, cart, told, samples_per_knot)
         late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
         wrenches, densities = GridWrenches.on(log, motion, late), wrench_densities(log, told)
-        return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(row_step)
+        return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(0.1)
 
     def every(self, row_step: float) -> Balances:
-        """The same balances with test functions about `row_step` (s) apart."""
+        """The same balances with test functions about `row_step` (s) apart: what is faster than half of its inverse is
+        left out."""
         return replace(self, per_row=max(round(row_step / self.motion.step), KNOT_STEPS * 2))
 
     @property
