@@ -7,8 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from estimation.sensor_check.clock import Rates, clock
-from estimation.sensor_check.velocities import corrected_velocities
+from estimation.sensor_check.velocities import Rates, clock, corrected_velocities
 from estimation.sensor_check.windows import Track
 
 from .logs import NOISE, QUIET, found, late, on_rail, sealed, two_hands
