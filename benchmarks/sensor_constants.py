@@ -15,7 +15,7 @@ from typing import Any
 
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.sensor_check import clipped_wrenches, frozen_wrenches, heading, heading_drift, jumps, sizes
+from estimation.sensor_check import heading, heading_drift, jumps, sizes, stuck_wrenches
 from estimation.sensor_check.windows import Track
 
 from .sensor_faults import OTHERS, read
@@ -25,11 +25,11 @@ Told = Callable[[RunLog, CartModel], int]
 
 
 def frozen(log: RunLog, _: CartModel) -> int:
-    return any(frozen_wrenches.frozen_wrench(arm.wrench) is not None for arm in log.arms.values())
+    return any(stuck_wrenches.frozen_wrench(arm.wrench) is not None for arm in log.arms.values())
 
 
 def clipped(log: RunLog, _: CartModel) -> int:
-    return any(list(clipped_wrenches.range_limits(arm.wrench)) for arm in log.arms.values())
+    return any(list(stuck_wrenches.range_limits(arm.wrench)) for arm in log.arms.values())
 
 
 def jumped(log: RunLog, _: CartModel) -> int:
@@ -49,8 +49,8 @@ def stands(log: RunLog, _: CartModel) -> int:
 
 
 CASES: tuple[tuple[ModuleType, tuple[str, ...], Told, str], ...] = (
-    (frozen_wrenches, ("MAX_CHANCE_RUNS", "MAX_FROZEN_FRACTION"), frozen, "wrenches frozen 3 times for 0.6 s"),
-    (clipped_wrenches, ("MIN_CLIPPED_ROWS", "MIN_CLIPPED_COUNT_RATIO"), clipped, "fx clipped in a tenth of the rows"),
+    (stuck_wrenches, ("MAX_CHANCE_RUNS", "MAX_FROZEN_FRACTION"), frozen, "wrenches frozen 3 times for 0.6 s"),
+    (stuck_wrenches, ("MIN_CLIPPED_ROWS", "MIN_CLIPPED_COUNT_RATIO"), clipped, "fx clipped in a tenth of the rows"),
     (
         jumps,
         (

@@ -19,9 +19,8 @@ from cartgrasp.model import CartModel
 from ..log_noise.log_noise import MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, noise_floor
 from ..log_noise.resolution import ROUNDING_STD
 from ..log_noise.sentinel_values import sentinels
-from .clipped_wrenches import clipped_arm
-from .frozen_wrenches import frozen_arm, without_frozen
 from .repeated_rows import local_change, repeats_fast
+from .stuck_wrenches import clipped_arm, frozen_arm, without_frozen
 from .suspicion import Suspicion
 
 STRAIGHT_BEND_RATIO = 1e-3

@@ -1,5 +1,5 @@
 """Poses that were recorded twice: a recorder writes the last one again where no new one came in time. And wrenches of a
-sensor that froze (`frozen_wrenches.py`), or is at the end of its range (`clipped_wrenches.py`).
+sensor that froze, or is at the end of its range (`stuck_wrenches.py`).
 
 Such a row is no measurement: taken as one, the cart stands still in it and then jumps.
 """
@@ -15,8 +15,7 @@ from cartgrasp.logs import RunLog
 
 from ..log_noise.resolution import ROUND_OFF_TOLERANCE, STEP_QUANTILE
 from ..log_noise.sentinel_values import without_sentinels
-from .clipped_wrenches import without_clipped
-from .frozen_wrenches import without_frozen
+from .stuck_wrenches import without_clipped, without_frozen
 
 MAX_REPEAT_INTERVAL = 0.25
 """s: what repeats for longer rests."""

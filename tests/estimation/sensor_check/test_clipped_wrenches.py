@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check.check import corrected_log
-from estimation.sensor_check.clipped_wrenches import CLIP_MARGIN_INTERVAL, clipped_arm, range_limits, without_clipped
+from estimation.sensor_check.stuck_wrenches import CLIP_MARGIN_INTERVAL, clipped_arm, range_limits, without_clipped
 from estimation.whole_log.identification import identify
 
 from .logs import CART, cart_of, two_hands

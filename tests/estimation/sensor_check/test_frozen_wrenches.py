@@ -9,7 +9,7 @@ from hypothesis import strategies as st
 
 from cartgrasp.logs import ArmLog
 from estimation.sensor_check.check import corrected_log
-from estimation.sensor_check.frozen_wrenches import frozen_arm, frozen_wrench, without_frozen
+from estimation.sensor_check.stuck_wrenches import frozen_arm, frozen_wrench, without_frozen
 from estimation.whole_log.identification import identify
 
 from .logs import CART, cart_of, two_hands
