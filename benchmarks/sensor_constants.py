@@ -15,7 +15,7 @@ from typing import Any
 
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
-from estimation.sensor_check import heading, heading_drift, jumps, sizes, stuck_wrenches
+from estimation.sensor_check import heading, jumps, sizes, stuck_wrenches
 from estimation.sensor_check.windows import Track
 
 from .sensor_faults import OTHERS, read
@@ -37,7 +37,7 @@ def jumped(log: RunLog, _: CartModel) -> int:
 
 
 def drifts(log: RunLog, cart: CartModel) -> int:
-    return heading_drift.heading_drift(log, cart) is not None
+    return heading.heading_drift(log, cart) is not None
 
 
 def in_another_unit(log: RunLog, _: CartModel) -> int:
@@ -64,7 +64,7 @@ CASES: tuple[tuple[ModuleType, tuple[str, ...], Told, str], ...] = (
         jumped,
         "poses jump 4 times by 3 cm",
     ),
-    (heading_drift, ("DRIFT_SIGMAS", "MIN_DRIFT_ANGLE", "MAX_DRIFT_FITS"), drifts, "theta drifts by 0.003 rad/s"),
+    (heading, ("DRIFT_SIGMAS", "MIN_DRIFT_ANGLE", "MAX_DRIFT_FITS"), drifts, "theta drifts by 0.003 rad/s"),
     (sizes, ("USUAL_CART_SPEED", "SPEED_INTERVAL"), in_another_unit, "x and y in mm"),
     (heading, ("MIN_MOTION_NOISE_RATIO",), stands, "stands in noise"),
 )

@@ -25,8 +25,7 @@ from ..weak_form.balances import Balances
 from ..weak_form.log_segments import MAX_SEGMENT_POSE_GAP, split_at_gaps
 from ..weak_form.motion import motion_of
 from .fixed_wheels import wheel_suspicions
-from .heading import heading_suspicions
-from .heading_drift import drift_suspicions, heading_drift, without_drift
+from .heading import drift_suspicions, heading_drift, heading_suspicions, without_drift
 from .jumps import jumps
 from .overview import Overview
 from .recording_artefacts import frozen, interpolated, quantised, repeated, slow, unreadable_columns

@@ -15,7 +15,7 @@ from cartgrasp.model import CartModel
 from ..impacts.impacts import impacts
 from ..log_noise.glitches import without_glitches
 from ..noise import FilterNoise
-from ..sensor_check.heading_drift import heading_drift, without_drift
+from ..sensor_check.heading import heading_drift, without_drift
 from ..sensor_check.jumps import jump_times
 from ..sensor_check.recording_artefacts import blank_columns
 from ..sensor_check.repeated_rows import without_repeats

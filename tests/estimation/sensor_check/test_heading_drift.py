@@ -12,7 +12,7 @@ from cartgrasp.frames import wrap_angle
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation.sensor_check import check_sensors
-from estimation.sensor_check.heading_drift import drift_suspicions, heading_drift, without_drift
+from estimation.sensor_check.heading import drift_suspicions, heading_drift, without_drift
 from estimation.whole_log.identification import identify
 
 from .logs import CART, RAIL, cart_of, found, sealed, two_hands
