@@ -57,6 +57,5 @@ def _is_sentinel(size: float) -> bool:
     """Whether it is one of them, times a power of ten."""
     if not size > MIN_SENTINEL_SIZE:
         return False
-    return bool(
-        np.isclose(size / 10.0 ** math.floor(math.log10(size)), SENTINEL_SIGNIFICANDS, rtol=1e-9, atol=0.0).any()
-    )
+    significand = size / 10.0 ** math.floor(math.log10(size))
+    return bool(np.isclose(significand, SENTINEL_SIGNIFICANDS, rtol=1e-9, atol=0.0).any())

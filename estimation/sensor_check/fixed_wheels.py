@@ -44,11 +44,9 @@ def wheel_suspicions(balances: Balances, cart: CartModel) -> tuple[Suspicion, ..
 
 def _lacking(seen: Displacements, balances: Balances, cart: CartModel) -> tuple[Suspicion, ...]:
     known = next((found for step in WRENCH_CHECK_ROW_STEPS if (found := balances_of(balances.every(step), cart))), None)
-    if known is None:
+    if known is None or known[1] is None:
         return ()
-    forward, sideways, _ = known
-    if sideways is None:
-        return ()
+    forward, sideways = known[0], known[1]
     push, way = forward.as_recorded(), forward.motion
     mass = float(push @ way) / float(way @ way)
     ahead, aside = push - mass * way, sideways.as_recorded() - mass * sideways.motion

@@ -41,10 +41,8 @@ def blank_columns(log: RunLog) -> dict[str, list[str]]:
     """Names of the columns without a value, by arm, of arms that have others: none of their rows is whole."""
     found = {}
     for arm in log.arms:
-        own = {
-            name: column for name, column in zip(log.columns, log.table.T, strict=True) if name.startswith(f"{arm}.")
-        }
-        blank = [name for name, column in own.items() if not np.isfinite(column).any()]
+        own = [i for i, name in enumerate(log.columns) if name.startswith(f"{arm}.")]
+        blank = [log.columns[i] for i in own if not np.isfinite(log.table[:, i]).any()]
         if 0 < len(blank) < len(own):
             found[arm] = blank
     return found

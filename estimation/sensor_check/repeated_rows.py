@@ -39,9 +39,8 @@ def with_measured_wrenches(log: RunLog) -> RunLog:
     """The log, with wrenches of a sensor that froze, or is at the end of its range, as missing samples; numbers that
     stand for no reading are no such end."""
     known = without_sentinels(log)
-    return replace(
-        known, arms={name: without_clipped(without_frozen(arm), log.time) for name, arm in known.arms.items()}
-    )
+    arms = {name: without_clipped(without_frozen(arm), log.time) for name, arm in known.arms.items()}
+    return replace(known, arms=arms)
 
 
 def repeats_fast(again: np.ndarray, change: Array) -> bool:

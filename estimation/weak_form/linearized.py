@@ -80,15 +80,11 @@ class Linearized:
         at_bound = np.zeros(len(prior.free), dtype=bool)
         at_bound[free] = (z == lower) | (z == upper)
         beside = self._beside @ (self.pull[len(free) :] - self._across.T @ self._away(z))
-        cart = with_coordinates(self.cart, self._at(z))
-        return MostLikely(cart, beside, self._covariance(z), at_bound)
-
-    def _covariance(self, z: Array) -> Array:
-        """Covariance (f + q, f + q) at free coordinates (f,), as if there were no bounds."""
-        std = np.append(self.prior.std[self.free], self.beside_std)
-        by = np.eye(len(std))
+        every_std = np.append(std, self.beside_std)
+        by = np.eye(len(every_std))
         by[: len(z), : len(z)] = self._slopes(z)
-        return np.asarray(np.linalg.inv(by.T @ self.information @ by + np.diag(std**-2.0)))
+        covariance = np.asarray(np.linalg.inv(by.T @ self.information @ by + np.diag(every_std**-2.0)), dtype=float)
+        return MostLikely(with_coordinates(self.cart, self._at(z)), beside, covariance, at_bound)
 
     @cached_property
     def free(self) -> np.ndarray:

@@ -89,14 +89,11 @@ def scored(sums: Array, rows: Array, prior: Array, folds: Folds, scale: Array) -
         fit, covariance = _fit(total, prior, scale)
         scale = _scale(total, rows.sum(axis=1), fit, covariance, scale)
     fit, covariance = _fit(total, prior, scale)
-    found = []
+    found, every = [], rows.sum(axis=1, keepdims=True)
+    whole = log_evidence(total[:, None], prior, scale, every)
     for fold in (folds.pieces, folds.stretches):
-        left = np.stack([sums[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1)
-        n = np.stack([rows[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1)
-        every = rows.sum(axis=1, keepdims=True)
-        whole = log_evidence(total[:, None], prior, scale, every)
-        without = log_evidence(total[:, None] - left, prior, scale, every - n)
-        found.append(whole - without)
+        left, n = (np.stack([each[:, fold == f].sum(axis=1) for f in np.unique(fold)], axis=1) for each in (sums, rows))
+        found.append(whole - log_evidence(total[:, None] - left, prior, scale, every - n))
     return Score(found[0], found[1], scale, fit, covariance)
 
 
