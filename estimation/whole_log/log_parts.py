@@ -27,7 +27,6 @@ from ..weak_form.sensor_noise import MotionNoise
 
 MIN_BALANCE_ROWS = 3
 """Fewest rows of a log's balances: fewer say nothing of how large their noise is."""
-
 ISOLATED_OUTLIER_SIGMAS = 5.0
 """Times the noise from which on a sample that stands alone is off: one in two million is by chance."""
 MAX_PART_POSE_GAP = 1.0
@@ -56,9 +55,12 @@ def learnable_parts(index: int, log: RunLog, cart: CartModel, noise: FilterNoise
     found, why = list[LogPart](), ""
     with np.errstate(all="ignore"):  # numbers beyond reason are told as such
         for piece in split_at_gaps(known, MAX_PART_POSE_GAP):
+            check_jumps(piece, float(MotionNoise.of(piece).pose[0]))
             try:
-                found += [_part(index, own, cart, noise) for own in _between_impacts(piece, cart)]
-            except NothingSaidError as error:
+                hits, lost = impacts(piece, cart), jump_times(piece)
+                between = segment_logs(piece, hits, lost) if hits or len(lost) else [piece]
+                found += [_part(index, own, cart, noise) for own in between]
+            except DataError as error:
                 why = why or str(error)
     found = [part for part in found if len(part.balances.used) >= MIN_BALANCE_ROWS]
     if not found:
@@ -74,21 +76,8 @@ def _blank(log: RunLog) -> str:
     return f": {', '.join(names)} {'is' if len(names) == 1 else 'are'} blank in every row" if names else ""
 
 
-def _between_impacts(log: RunLog, cart: CartModel) -> list[RunLog]:
-    check_jumps(log, float(MotionNoise.of(log).pose[0]))
-    try:
-        hits = impacts(log, cart)
-        lost = jump_times(log)
-        return segment_logs(log, hits, lost) if hits or len(lost) else [log]
-    except DataError as error:
-        raise NothingSaidError(str(error)) from error
-
-
 def _part(index: int, log: RunLog, cart: CartModel, noise: FilterNoise | None) -> LogPart:
     fine = FINE_SAMPLES_PER_KNOT if log.duration < MAX_FINE_DURATION else None
-    try:
-        balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
-    except DataError as error:
-        raise NothingSaidError(str(error)) from error
+    balances = Balances.of(log, cart, told=noise, samples_per_knot=fine)
     band = sharp(bands(balances, cart)) if len(balances.used) >= MIN_BALANCE_ROWS else None
     return LogPart(index, balances if band is None else balances.every(band.row_step), band)
