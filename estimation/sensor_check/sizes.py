@@ -30,8 +30,9 @@ def check_sizes(log: RunLog) -> None:
     for name, arm in log.arms.items():
         parts |= {f"contact point of arm {name}": arm.contact, f"wrench of arm {name}": arm.wrench}
     for what, values in parts.items():
-        if values is not None and (np.abs(values[np.isfinite(values)]) > MAX_LOG_VALUE).any():
-            row = int(np.argmax(np.nanmax(np.abs(np.where(np.isfinite(values), values, 0.0)), axis=1)))
+        sizes = np.zeros((1, 1)) if values is None else np.abs(np.where(np.isfinite(values), values, 0.0))
+        if (sizes > MAX_LOG_VALUE).any():
+            row = int(np.argmax(sizes.max(axis=1)))
             raise DataError(
                 f"{log.name}: the {what} at t = {log.time[row]:g} s is beyond {MAX_LOG_VALUE:g}; look for numbers that "
                 "are not in SI units"

@@ -149,15 +149,15 @@ def _late_or_large(fit: Clock, sensor: Sensor) -> list[Suspicion]:
         )
         told.append(Suspicion("lag", sensor.where, late, fit.lag, words, put_right=True))
     unit = _unit(log_gain, sensor)
-    if large > 0.5 and unit is None:
+    if unit is not None:
+        where, words, factor = unit
+        told.append(Suspicion("unit", where, max(large, REFUSAL_PROBABILITY), factor, words))
+    elif large > 0.5:
         words = (
             f"{sensor.what} are {fit.gain:.4f} ± {fit.gain_std:.4f} times what the poses do; a diagnosis divides "
             "them by that: calibrate the wheels' radius or the tracker"
         )
         told.append(Suspicion("scale", sensor.where, large, fit.gain, words, put_right=True))
-    if unit is not None:
-        where, words, factor = unit
-        told.append(Suspicion("unit", where, max(large, REFUSAL_PROBABILITY), factor, words))
     return told
 
 

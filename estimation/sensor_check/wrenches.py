@@ -223,10 +223,9 @@ def balances_of(balances: Balances, cart: CartModel) -> KnownBalances | None:
     signals, slopes = _signals(balances, cart), balances.residual(cart)[1]
     casters = (CasterRealignment(),) if any(wheel.kind == CASTER for wheel in cart.wheels) else ()
     taken = {effect.name for effect in cart.effects}
-    more: list[Effect] = [
-        e for e in (ViscousDrag(), *NUISANCE_EFFECTS, WheelDragImbalance(), *casters) if e.name not in taken
-    ]
-    more = [e for e in more if free > 1 or not isinstance(e, WheelDragImbalance)]
+    imbalance = (WheelDragImbalance(),) if free > 1 else ()
+    every: tuple[Effect, ...] = (ViscousDrag(), *NUISANCE_EFFECTS, *imbalance, *casters)
+    more = [e for e in every if e.name not in taken]
     columns = [balances.columns(cart, e)[..., [not p.optional for p in e.parameters]] for e in more]
     whole = np.concatenate([slopes, *columns], axis=2)
     own = [0, 0, 3][:: 1 if free == 3 else 2] if free > 1 else [0]
