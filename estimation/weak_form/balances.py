@@ -117,8 +117,7 @@ class Balances:
         return self.heard or Densities(self.wrench_densities, None)
 
     def _scale(self, cart: CartModel) -> float:
-        """The cart's mass relative to that of the reference's body, where gains of sensors make a cart of any mass as
-        likely; else 1."""
+        """The mass relative to the reference's, where gains of sensors make a cart of any mass as likely; else 1."""
         if self.reference is None or not any(isinstance(effect, ForceScale) for effect, _ in cart.sensor_effects):
             return 1.0
         return cart.inertia.mass / self.reference.inertia.mass

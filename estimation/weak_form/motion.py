@@ -22,7 +22,6 @@ from .splines import PoseFits, Samples, SplineBasis, SplineFit
 
 MAX_CACHED_MEMORIES = 16
 """Memories of effects that are kept for a motion."""
-
 GRID_STEP = 0.01
 """Step (s) of the grid, where samples come as often as that."""
 MIN_GRID_STEP = 0.0025
@@ -187,8 +186,7 @@ def motion_of(
 
 
 def _freed(cart: CartModel, twists: Twists) -> tuple[Array, Array, Array, Array | None]:
-    """Free velocity (n, f), free accelerations (n, f), and the speed of the axle to its left (n,), from twists of
-    {b}."""
+    """Free velocity and accelerations (n, f), and the speed of the axle to its left (n,), from twists of {b}."""
     free, across = cart.rolling.free_velocity, None
     if cart.constraints.n_rows == 1:
         across = twists.of_poses[:, 1] + float(cart.constraints.axle_x or 0.0) * twists.of_poses[:, 2]

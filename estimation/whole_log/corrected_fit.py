@@ -38,8 +38,7 @@ IDENTIFIABLE_STD_RATIO = 0.25
 @dataclass(frozen=True, eq=False)
 class CorrectedFit:
     """`covariance` (q, q) is of the coordinates that are free, then of what is unknown beside them, which go
-    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are
-    parameters that stand at one."""
+    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are parameters that stand at one."""
 
     model: Model
     covariance: Array
