@@ -19,6 +19,7 @@ from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 
 from ..discrepancy.search.model import Model
+from ..parameter_report import IDENTIFIABLE_STD_RATIO
 from ..weak_form.balances import Balances
 from ..weak_form.coordinates import bounds, coordinates, jacobian, with_coordinates
 from ..weak_form.linearized import Linearized
@@ -31,8 +32,6 @@ MIN_FIT_VARIANCE = 1e-300
 """Keeps fits of numbers beyond all reason finite."""
 MIN_NOISE_DRAW_ROWS, MAX_NOISE_DRAWS = 400, 4
 """So many rows of noise tell its squares to a tenth; from shorter logs it is drawn several times."""
-IDENTIFIABLE_STD_RATIO = 0.25
-"""Share of the first guess's standard deviation below which a parameter counts as taught."""
 
 
 @dataclass(frozen=True, eq=False)
