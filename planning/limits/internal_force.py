@@ -35,8 +35,7 @@ class InternalForce(CartLimit):
 
     def __post_init__(self) -> None:
         number("internal force: bound", self.bound, 0.0, MAX_FLOAT, "give N")
-        if not any(numbers("internal force: axis", self.axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)):
-            raise UsageError(f"internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
+        object.__setattr__(self, "axis", direction_b("internal force: axis", self.axis))
 
     def rows(self, pushed: PushedCart) -> CartRows:
         arms = pushed.arms
@@ -53,6 +52,14 @@ class InternalForce(CartLimit):
             low_names=tuple(f"{name} lower" for name in names),
             high_names=tuple(f"{name} upper" for name in names),
         )
+
+
+def direction_b(what: str, axis: Sequence[float]) -> tuple[float, ...]:
+    """An axis in {b}, of any length but 0."""
+    found = numbers(what, axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)
+    if not any(found):
+        raise UsageError(f"{what}: {tuple(axis)} is not a direction (x, y, z) in {{b}}")
+    return found
 
 
 def departures_along(axis: Sequence[float], arms: Sequence[Arm]) -> Array:

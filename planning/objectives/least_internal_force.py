@@ -9,10 +9,9 @@ from dataclasses import dataclass, field
 import numpy as np
 
 from cartgrasp.arms import Arm
-from cartgrasp.checks import MAX_FLOAT, number, numbers
-from cartgrasp.errors import UsageError
+from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
-from planning.limits.internal_force import HANDLE_AXIS_B, departures_along
+from planning.limits.internal_force import HANDLE_AXIS_B, departures_along, direction_b
 
 from .objective import Cost, Objective
 from .weighted_wrench import WeightedWrench
@@ -28,8 +27,7 @@ class LeastInternalForce(Objective):
 
     def __post_init__(self) -> None:
         number("least internal force: weight", self.weight, 0.0, MAX_FLOAT)
-        if not any(numbers("least internal force: axis", self.axis, "(x, y, z) in {b}", -MAX_FLOAT, MAX_FLOAT)):
-            raise UsageError(f"least internal force: axis: {self.axis} is not a direction (x, y, z) in {{b}}")
+        object.__setattr__(self, "axis", direction_b("least internal force: axis", self.axis))
 
     @property
     def looks_back(self) -> bool:

@@ -9,13 +9,13 @@ import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.contacts import ContactSet, Segment
-from cartgrasp.errors import CartgraspError, UsageError
+from cartgrasp.errors import UsageError
 from cartgrasp.friction import EXACT, Friction, SoftFinger
 from cartgrasp.joint_torques import JointTorques, PostureSource
 from cartgrasp.reach import Reach
 
-from .problem_objective import Refuse
-from .problem_schema import ArmEntry, FrictionEntry, JointsEntry, ReachEntry, SoftFingerEntry, UrdfEntry
+from .problem_schema import ArmEntry, FrictionEntry, JointsEntry, UrdfEntry
+from .refusing import Refuse, refusing
 
 NO_LIMIT = (float("inf"),) * 3
 
@@ -33,14 +33,19 @@ def arms_of(entries: Sequence[ArmEntry], where: list[str | int], folder: Path, r
 def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) -> Arm:
     if not entry.contacts and entry.segment is None:
         raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
-    held = _contacts(entry, where, refuse)
+    with refusing(refuse, *where, "contacts" if entry.contacts else "segment"):
+        held = _contacts(entry)
     friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
-    soft_finger = _soft_finger(entry.soft_finger, [*where, "soft_finger"], refuse)
+    with refusing(refuse, *where, "soft_finger"):
+        soft_finger = None if entry.soft_finger is None else SoftFinger(**dict(entry.soft_finger))
     joints = _bearing(entry, where, folder, refuse)
-    reach = _reach(entry.reach, held, [*where, "reach"], refuse)
+    with refusing(refuse, *where, "reach"):
+        reach = None if entry.reach is None else Reach.box(entry.reach.low, entry.reach.high)
+        if reach is not None and reach.clip(held) is None:
+            raise UsageError("no candidate contact is within it")
     rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
-    try:
-        return Arm(
+    with refusing(refuse, *where, "name"):
+        arm = Arm(
             entry.name,
             held,
             yaw=entry.yaw,
@@ -55,19 +60,15 @@ def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) 
             reach=reach,
             soft_finger=soft_finger,
         )
-    except UsageError as error:
-        raise refuse([*where, "name"], str(error)) from error
+    return arm
 
 
-def _contacts(entry: ArmEntry, where: list[str | int], refuse: Refuse) -> ContactSet:
+def _contacts(entry: ArmEntry) -> ContactSet:
     points = tuple((x, y, z) for x, y, z in entry.contacts)
-    try:
-        if entry.segment is None:
-            return ContactSet(points)
-        (x, y, z), (x2, y2, z2) = entry.segment
-        return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
-    except UsageError as error:
-        raise refuse([*where, "contacts" if points else "segment"], str(error)) from error
+    if entry.segment is None:
+        return ContactSet(points)
+    (x, y, z), (x2, y2, z2) = entry.segment
+    return ContactSet(points, (Segment((x, y, z), (x2, y2, z2)),))
 
 
 def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refuse) -> Friction | None:
@@ -79,11 +80,16 @@ def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refus
     return Friction(entry.mu, sides)
 
 
-def _soft_finger(entry: SoftFingerEntry | None, where: list[str | int], refuse: Refuse) -> SoftFinger | None:
-    try:
-        return None if entry is None else SoftFinger(**dict(entry))
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
+def _bearing(
+    entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse
+) -> JointTorques | PostureSource | None:
+    if entry.urdf is None:
+        return _joints(entry.joints, [*where, "joints"], refuse)
+    with refusing(refuse, *where, "urdf"):
+        if entry.joints is not None:
+            raise UsageError("stands beside `joints`; write one of them")
+        postures = _postures(entry.urdf, folder)
+    return postures
 
 
 def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -> JointTorques | None:
@@ -94,24 +100,9 @@ def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -
         if len(values) != n:
             why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
             raise refuse([*where, "jacobian", row], why)
-    try:
-        jacobian, gravity, limit = map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit))
-        return JointTorques(jacobian, gravity, limit)
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
-
-
-def _bearing(
-    entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse
-) -> JointTorques | PostureSource | None:
-    if entry.urdf is None:
-        return _joints(entry.joints, [*where, "joints"], refuse)
-    if entry.joints is not None:
-        raise refuse([*where, "urdf"], "stands beside `joints`; write one of them")
-    try:
-        return _postures(entry.urdf, folder)
-    except CartgraspError as error:
-        raise refuse([*where, "urdf"], str(error)) from error
+    with refusing(refuse, *where):
+        torques = JointTorques(*map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit)))
+    return torques
 
 
 def _postures(entry: UrdfEntry, folder: Path) -> PostureSource:
@@ -124,15 +115,3 @@ def _postures(entry: UrdfEntry, folder: Path) -> PostureSource:
     gravity = LEVEL_GRAVITY if entry.feels_gravity else (0.0, 0.0, 0.0)
     arm = arm.placed(SpatialPose.of(entry.base, *entry.base_turned), gravity)
     return UrdfPostures(arm, entry.hand_turned, entry.start)
-
-
-def _reach(entry: ReachEntry | None, held: ContactSet, where: list[str | int], refuse: Refuse) -> Reach | None:
-    if entry is None:
-        return None
-    try:
-        reach = Reach.box(entry.low, entry.high)
-    except UsageError as error:
-        raise refuse(where, str(error)) from error
-    if reach.clip(held) is None:
-        raise refuse(where, "no candidate contact is within it")
-    return reach

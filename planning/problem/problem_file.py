@@ -8,14 +8,18 @@ from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from ruamel.yaml.comments import CommentedMap
 
 from cartgrasp.arms import Arm
 from cartgrasp.cart_file import cart_from_document, load_cart
 from cartgrasp.contacts import ContactSet
 from cartgrasp.errors import FileError, UsageError
+from cartgrasp.first_guess import PHYSICAL_NAMES
+from cartgrasp.frames import Array
+from cartgrasp.inertia import physical_jacobian
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Estimate
+from cartgrasp.motion import Estimate, Motion
 from cartgrasp.yaml_file import file_error, read_yaml, validate
 
 from ..limits import CartLimit
@@ -23,10 +27,10 @@ from ..objectives import Objective
 from ..plan import Plan
 from ..planner import WrenchPlanner
 from .problem_arms import arms_of
-from .problem_estimate import estimate_of
 from .problem_limits import cart_limits_of
-from .problem_objective import Refuse, objective_of
-from .problem_schema import ArmEntry, ProblemEntry
+from .problem_objective import objective_of
+from .problem_schema import ArmEntry, ConfidenceEntry, ProblemEntry
+from .refusing import Refuse, refusing
 
 
 @dataclass(frozen=True)
@@ -94,7 +98,7 @@ def read_problem(path: str | os.PathLike[str]) -> Problem:
         held=_held(entry.arms, refuse),
         objective=objective_of(entry.objective, (cart, arms), refuse),
         confidence=None if entry.confidence is None else entry.confidence.probability,
-        estimate=estimate_of(entry, cart, refuse),
+        estimate=_estimate(entry, cart, refuse),
         solver=_solver(entry.solver, refuse),
     )
 
@@ -123,8 +127,34 @@ def _held(entries: Sequence[ArmEntry], refuse: Refuse) -> dict[str, Sequence[flo
     for i, entry in enumerate(entries):
         if entry.held is not None:
             x, y, z = entry.held
-            try:
+            with refusing(refuse, "arms", i, "held"):
                 held[entry.name] = ContactSet(((x, y, z),)).points[0]
-            except UsageError as error:
-                raise refuse(["arms", i, "held"], str(error)) from error
     return held
+
+
+def _estimate(entry: ProblemEntry, cart: CartModel, refuse: Refuse) -> Estimate | None:
+    """What a filter would give of the motion and confidence that the file states; None where it states neither."""
+    if entry.motion is None and entry.confidence is None:
+        return None
+    names = cart.constraints.velocity_names
+    pose, velocity = np.zeros(3), np.zeros(len(names))
+    if entry.motion is not None:
+        pose, velocity = np.array(entry.motion.pose), np.array(entry.motion.velocity)
+        if len(velocity) != len(names):
+            why = f"{len(velocity)} numbers, but this cart moves freely in {', '.join(names)}"
+            raise refuse(["motion", "velocity"], why)
+    covariance = None if entry.confidence is None else _covariance(entry.confidence, cart, refuse)
+    return Estimate(0.0, Motion(pose, velocity), {}, "", cart, cart.parameters, covariance)
+
+
+def _covariance(entry: ConfidenceEntry, cart: CartModel, refuse: Refuse) -> Array:
+    """Covariance (p, p) of the model's parameters, from independent standard deviations of mass, CoM, inertia and the
+    effects' values."""
+    names = (*PHYSICAL_NAMES, *cart.parameter_names[len(PHYSICAL_NAMES) :])
+    for name in entry.std:
+        if name not in names:
+            raise refuse(["confidence", "std", name], f"this cart has no parameter {name}; it has {', '.join(names)}")
+    to_phi = np.eye(len(names))
+    to_phi[:4, :4] = np.linalg.inv(physical_jacobian(cart.inertia.phi))
+    root = to_phi * [entry.std.get(name, 0.0) for name in names]
+    return np.asarray(root @ root.T)

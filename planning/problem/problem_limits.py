@@ -3,33 +3,29 @@
 from __future__ import annotations
 
 from collections.abc import Callable, Mapping, Sequence
+from functools import partial
 
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 
 from ..limits import CartLimit, InternalForce, PushedCart, SideForce, Skid, TipOver
-from .problem_objective import Refuse
 from .problem_schema import CartLimitsEntry
+from .refusing import Refuse
+
+KINDS: Mapping[str, Callable[..., CartLimit]] = {
+    "skid": Skid,
+    "tip_over": TipOver,
+    "side_force": SideForce,
+    "internal_force": InternalForce,
+}
 
 
 def cart_limits_of(
     entry: CartLimitsEntry, pushed_by: tuple[CartModel, Sequence[Arm]], where: list[str | int], refuse: Refuse
 ) -> tuple[CartLimit, ...]:
     """The limits that stand at a place of a document, for a cart and its arms."""
-    limits: dict[str, Callable[[], CartLimit]] = {}
-    if entry.skid is not None:
-        friction = entry.skid.friction
-        limits["skid"] = lambda: Skid(friction)
-    if entry.tip_over is not None:
-        least = entry.tip_over.least_load
-        limits["tip_over"] = lambda: TipOver(least)
-    if entry.side_force is not None:
-        most = entry.side_force.bound
-        limits["side_force"] = lambda: SideForce(most)
-    if entry.internal_force is not None:
-        bound, (x, y, z) = entry.internal_force.bound, entry.internal_force.axis
-        limits["internal_force"] = lambda: InternalForce(bound, (x, y, z))
+    limits = {key: partial(KINDS[key], **dict(values)) for key, values in entry if values is not None}
     return limits_for(limits, pushed_by, lambda key, why: refuse([*where, key], why))
 
 
