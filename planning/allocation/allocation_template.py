@@ -163,9 +163,7 @@ class AllocationTemplate:
 
     @cached_property
     def hessian(self) -> Array:
-        cost = self._first_cost
-        hessian = np.diag(2.0 * cost.weights)
-        return hessian if cost.coupling is None else hessian + 2.0 * cost.coupling
+        return self._first_cost.hessian
 
     @cached_property
     def fixed(self) -> LimitRows:

@@ -36,13 +36,11 @@ def second_stage(
     values = rows @ solution.x
     room = FIRST_STAGE_TOLERANCE * np.maximum(size, np.abs(values))
     n, k, larger = program.n, len(program.rows) - program.n_equalities, _with_larger_shares(program, size)
-    hessian = np.diag(2.0 * cost.weights)
-    hessian = hessian if cost.coupling is None else hessian + 2.0 * cost.coupling
-    missing = n - len(hessian)  # unknowns of the first's own
+    missing = n - len(cost.weights)  # unknowns of the first's own
     names = ("",) * len(rows)
     second = replace(
         program,
-        hessian=np.pad(hessian, ((0, missing), (0, missing))),
+        hessian=np.pad(cost.hessian, ((0, missing), (0, missing))),
         gradient=np.pad(cost.gradient, (0, missing)),
         constant=cost.constant,
         rows=np.vstack([larger.rows[:k], rows, larger.rows[k:]]),

@@ -7,10 +7,8 @@ from .least_joint_torque import LeastJointTorque
 from .least_side_force import LeastSideForce
 from .lexicographic import Lexicographic
 from .load_share import LoadShare
-from .no_cost import Nothing
-from .objective import Cost, Objective
+from .objective import Cost, Nothing, Objective, WeightedWrench
 from .smoothness import Smoothness
-from .weighted_wrench import WeightedWrench
 from .worst_arm import WorstArm
 
 __all__ = [

@@ -6,19 +6,16 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass, field
 
-import numpy as np
-
 from cartgrasp.arms import Arm
 from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 from planning.limits.internal_force import HANDLE_AXIS_B, departures_along, direction_b
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 
 @dataclass(frozen=True)
-class LeastInternalForce(Objective):
+class LeastInternalForce(Addition):
     """`weight` per N²."""
 
     weight: float = 1.0
@@ -29,13 +26,6 @@ class LeastInternalForce(Objective):
         number("least internal force: weight", self.weight, 0.0, MAX_FLOAT)
         object.__setattr__(self, "axis", direction_b("least internal force: axis", self.axis))
 
-    @property
-    def looks_back(self) -> bool:
-        return self.base.looks_back
-
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
-        base = self.base.cost(arms, previous)
         departures = departures_along(self.axis, arms).reshape(len(arms), -1)
-        n_own = len(base.weights) - departures.shape[1]
-        departures = np.pad(departures, ((0, 0), (0, n_own)))
-        return base.coupled(self.weight * departures.T @ departures)
+        return self.base.cost(arms, previous).coupled(self.weight * departures.T @ departures)

@@ -12,12 +12,11 @@ from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 
 @dataclass(frozen=True)
-class LeastJointTorque(Objective):
+class LeastJointTorque(Addition):
     """`weight` per (N·m)²."""
 
     weight: float = 1.0
@@ -25,10 +24,6 @@ class LeastJointTorque(Objective):
 
     def __post_init__(self) -> None:
         number("least joint torque: weight", self.weight, 0.0, MAX_FLOAT)
-
-    @property
-    def looks_back(self) -> bool:
-        return self.base.looks_back
 
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         if all(arm.joints is None for arm in arms):

@@ -14,12 +14,11 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 
 @dataclass(frozen=True)
-class LeastSideForce(Objective):
+class LeastSideForce(Addition):
     """`weight` per N²."""
 
     weight: float = 1.0
@@ -27,10 +26,6 @@ class LeastSideForce(Objective):
 
     def __post_init__(self) -> None:
         number("least side force: weight", self.weight, 0.0, MAX_FLOAT)
-
-    @property
-    def looks_back(self) -> bool:
-        return self.base.looks_back
 
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         base = self.base.cost(arms, previous)

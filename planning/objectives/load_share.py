@@ -13,12 +13,11 @@ from cartgrasp.checks import MAX_FLOAT, check_kind, number
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array, rotation_planar
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 
 @dataclass(frozen=True)
-class LoadShare(Objective):
+class LoadShare(Addition):
     """Shares by arm name; they are >= 0 and add up to 1."""
 
     shares: Mapping[str, float]
@@ -32,18 +31,12 @@ class LoadShare(Objective):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
         number("load share: weight", self.weight, 0.0, MAX_FLOAT)
 
-    @property
-    def looks_back(self) -> bool:
-        return self.base.looks_back
-
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         if {arm.name for arm in arms} != set(self.shares):
             raise UsageError(f"load share: shares of {sorted(self.shares)}, arms {sorted(a.name for a in arms)}")
-        base = self.base.cost(arms, previous)
         forces = np.zeros((len(arms), 2, 6 * len(arms)))  # f_i = forces[i] @ F
         for i, arm in enumerate(arms):
             forces[i, :, 6 * i : 6 * i + 2] = rotation_planar(arm.yaw)
         shares = np.array([self.shares[arm.name] for arm in arms])
         departure = (forces - shares[:, None, None] * forces.sum(axis=0)).reshape(-1, 6 * len(arms))
-        departure = np.pad(departure, ((0, 0), (0, len(base.weights) - departure.shape[1])))
-        return base.coupled(self.weight * departure.T @ departure)
+        return self.base.cost(arms, previous).coupled(self.weight * departure.T @ departure)

@@ -1,5 +1,5 @@
-"""What a good allocation is: an Objective answers with a convex quadratic cost of all arms' wrenches F
-(6n,)."""
+"""What a good allocation is: an Objective answers with a convex quadratic cost of all arms' wrenches F (6n,), by
+default with that of the contract, the effort."""
 
 from __future__ import annotations
 
@@ -28,18 +28,24 @@ class Cost:
     epigraph: LimitRows | None = None
     side_weight: float = 0.0
 
+    @property
+    def hessian(self) -> Array:
+        """Of the cost without its side force, over x."""
+        hessian = np.diag(2.0 * self.weights)
+        return hessian if self.coupling is None else hessian + 2.0 * self.coupling
+
     def coupled(self, more: Array) -> Cost:
-        """The cost with another coupling added."""
+        """The cost with another coupling added, over x or over F alone."""
+        more = np.pad(more, (0, len(self.weights) - len(more)))
         return replace(self, coupling=more if self.coupling is None else self.coupling + more)
 
     def with_side_force(self, across: Array, straight: float) -> Cost:
         """The cost with `side_weight (straight - across @ F)²` in it; across (6n,), straight in N."""
-        if not self.side_weight:
-            return self
-        across = np.pad(across, (0, len(self.weights) - len(across)))
+        gradient = self.gradient.copy()
+        gradient[: len(across)] -= 2.0 * self.side_weight * straight * across
         return replace(
             self.coupled(self.side_weight * np.outer(across, across)),
-            gradient=self.gradient - 2.0 * self.side_weight * straight * across,
+            gradient=gradient,
             constant=self.constant + self.side_weight * straight**2,
             side_weight=0.0,
         )
@@ -57,3 +63,36 @@ class Objective(ABC):
     @abstractmethod
     def looks_back(self) -> bool:
         """Whether the cost changes with `previous`."""
+
+
+class Addition(Objective):
+    """What adds to the cost of a `base`."""
+
+    base: Objective
+
+    @property
+    def looks_back(self) -> bool:
+        return self.base.looks_back
+
+
+class WeightedWrench(Objective):
+    """The effort: the sum of each arm's `weights` times component squared, over arms and axes (N², without a ½)."""
+
+    @property
+    def looks_back(self) -> bool:
+        return False
+
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        weights = np.concatenate([arm.weights for arm in arms])
+        return Cost(weights, np.zeros(len(weights)))
+
+
+class Nothing(Objective):
+    """Costs nothing: a base for an objective that is to stand alone, as `Lexicographic` may want it."""
+
+    @property
+    def looks_back(self) -> bool:
+        return False
+
+    def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
+        return Cost(np.zeros(6 * len(arms)), np.zeros(6 * len(arms)))

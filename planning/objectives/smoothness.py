@@ -11,12 +11,11 @@ from cartgrasp.arms import Arm
 from cartgrasp.checks import MAX_FLOAT, number
 from cartgrasp.frames import Array
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 
 @dataclass(frozen=True)
-class Smoothness(Objective):
+class Smoothness(Addition):
     """`rate` scales each arm's own weights: 1 makes a change as costly as the wrench itself."""
 
     rate: float = 1.0

@@ -14,14 +14,13 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits import LimitRows
 
-from .objective import Cost, Objective
-from .weighted_wrench import WeightedWrench
+from .objective import Addition, Cost, Objective, WeightedWrench
 
 MIN_ARM_LIMIT = 1e-9  # N, N·m: what a proof takes for kept; a share of a smaller limit would be one of rounding
 
 
 @dataclass(frozen=True)
-class WorstArm(Objective):
+class WorstArm(Addition):
     """`weight` of the squared share; components without a limit, or with one of `MIN_ARM_LIMIT` or less, have none."""
 
     weight: float
@@ -29,10 +28,6 @@ class WorstArm(Objective):
 
     def __post_init__(self) -> None:
         positive("worst arm: weight", self.weight, MAX_FLOAT, "give a share of the cost")
-
-    @property
-    def looks_back(self) -> bool:
-        return self.base.looks_back
 
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         base = self.base.cost(arms, previous)
