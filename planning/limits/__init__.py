@@ -1,4 +1,4 @@
-"""Limits, one small file each: of an arm at its contact (`Limit`), and of the hands together (`CartLimit`)."""
+"""Limits: of an arm at its contact (`Limit`), and of the hands together (`CartLimit`)."""
 
 from __future__ import annotations
 
@@ -7,22 +7,15 @@ import math
 from cartgrasp.arms import Arm
 from cartgrasp.friction import EXACT
 
+from .bounds import Payload, PushOnly, WrenchBox
 from .cart_limit import CartLimit, CartRows, PushedCart, cart_rows
 from .floor_limit import FloorLimit, FloorRows
-from .friction_cone import FrictionCone
-from .friction_pyramid import FrictionPyramid
+from .friction import FrictionCone, FrictionPyramid
 from .internal_force import InternalForce
-from .joined_limits import joined
 from .joint_torque import JointTorque
-from .limit import Limit, LimitRows
-from .payload import Payload
-from .push_only import PushOnly
-from .side_force import SideForce
-from .skid import Skid
+from .limit import Limit, LimitRows, joined, user_rows
 from .soft_finger import SoftFingerLimit
-from .tip_over import TipOver
-from .user_limit import user_rows
-from .wrench_box import WrenchBox
+from .wheel_limits import SideForce, Skid, TipOver
 from .wrench_rate import WrenchRate
 
 __all__ = [

@@ -11,7 +11,7 @@ from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, field, replace
 from functools import cached_property
-from typing import TYPE_CHECKING, Any, ClassVar, Self, final
+from typing import TYPE_CHECKING, ClassVar, Self, final
 
 import numpy as np
 
@@ -200,11 +200,6 @@ class CartLimit(ABC):
 
     looks_at_arms: ClassVar[bool] = True
     """Whether the rows depend on more of the arms than how many there are."""
-    _is_from_outside: ClassVar[bool] = True
-
-    def __init_subclass__(cls, **kwargs: Any) -> None:
-        super().__init_subclass__(**kwargs)
-        cls._is_from_outside = not cls.__module__.startswith(f"{__package__}.")
 
     @abstractmethod
     def rows(self, pushed: PushedCart) -> CartRows:
@@ -214,7 +209,7 @@ class CartLimit(ABC):
     def checked_rows(self, pushed: PushedCart) -> CartRows:
         """`rows`, of which those of limits from outside are looked at: kernels look at none."""
         rows = self.rows(pushed)
-        if self._is_from_outside:
+        if not type(self).__module__.startswith(f"{__package__}."):
             what = f"cart_limits: {type(self).__name__}: rows"
             check_kind(what, rows, CartRows, "return CartRows(...)")
             rows.checked(what, len(pushed.arms))

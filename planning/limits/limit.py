@@ -4,14 +4,16 @@ name."""
 from __future__ import annotations
 
 from abc import ABC, abstractmethod
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass, field
 from functools import lru_cache
 
 import numpy as np
 
-from cartgrasp.arms import Arm
+from cartgrasp.arms import Arm, UserLimit
+from cartgrasp.checks import check_kind
 from cartgrasp.contacts import WRENCH_NAMES
+from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.quadratic_program import Cone
 
@@ -101,6 +103,63 @@ class Limit(ABC):
     @abstractmethod
     def rows(self, arm: Arm) -> LimitRows:
         """The limit of this arm; names without the arm's."""
+
+
+def user_rows(limit: UserLimit, arm: Arm) -> LimitRows:
+    """The rows of a limit from outside, which are looked at, since kernels look at no bounds."""
+    where = f"arm {arm.name}: limits: {type(limit).__name__}"
+    rows: LimitRows = limit.rows(arm)
+    check_kind(f"{where}: rows", rows, LimitRows, "return LimitRows(...)")
+    k = len(rows.rows)
+    shapes = {"lower": (6,), "upper": (6,), "rows": (k, 6), "limits": (k,), "low_limits": (k,)}
+    for part, shape in shapes.items():
+        values = np.asarray(getattr(rows, part))
+        if values.shape != shape or values.dtype.kind not in "fiu" or np.isnan(values).any():
+            raise UsageError(f"{where}: {part}: {values.tolist()} is not {shape} numbers; give N and N·m")
+    for part, count in {"lower_names": 6, "upper_names": 6, "names": k, "low_names": k}.items():
+        names = getattr(rows, part)
+        if len(names) != count or not all(names):
+            raise UsageError(f"{where}: {part}: {list(names)} are not {count} names; name each, as plans tell them")
+    low, high = np.r_[rows.lower, rows.low_limits], np.r_[rows.upper, rows.limits]
+    if (low > 0).any() or (high < 0).any():
+        raise UsageError(f"{where}: it leaves out the wrench 0, so an arm that lets go would break it; take that in")
+    return rows
+
+
+def joined(names: Sequence[str], limits: Iterable[LimitRows]) -> LimitRows:
+    """Limits of several arms over all their wrenches (6n,), with the arm's name before each name."""
+    limits = tuple(limits)
+    n, cones = 6 * len(limits), list[Cone]()
+    rows, start = np.zeros((sum(len(part.rows) for part in limits), n)), 0
+    for i, (name, part) in enumerate(zip(names, limits, strict=True)):
+        columns, stop = slice(6 * i, 6 * i + 6), start + len(part.rows)
+        rows[start:stop, columns], start = part.rows, stop
+        for cone in part.cones:
+            wide = np.zeros((len(cone.rows), n))
+            wide[:, columns] = cone.rows
+            cones.append(Cone(f"{name}: {cone.name}", wide, cone.offset))
+
+    def named(field: str) -> tuple[str, ...]:
+        parts = zip(names, limits, strict=True)
+        return tuple([full for name, part in parts for full in _full_names(name, getattr(part, field))])
+
+    return LimitRows(
+        lower=np.concatenate([part.lower for part in limits]),
+        upper=np.concatenate([part.upper for part in limits]),
+        lower_names=named("lower_names"),
+        upper_names=named("upper_names"),
+        rows=rows,
+        limits=np.concatenate([part.limits for part in limits]),
+        names=named("names"),
+        cones=tuple(cones),
+        low_limits=np.concatenate([part.low_limits for part in limits]),
+        low_names=named("low_names"),
+    )
+
+
+@lru_cache(maxsize=256)
+def _full_names(arm: str, names: tuple[str, ...]) -> tuple[str, ...]:
+    return tuple(f"{arm}: {name}" for name in names)
 
 
 @lru_cache(maxsize=256)

@@ -21,8 +21,8 @@ from cartgrasp.frames import Array
 from cartgrasp.friction import EXACT, NORMALS
 from planning.quadratic_program import Cone
 
+from .bounds import PUSH_ONLY
 from .limit import Limit, LimitRows
-from .push_only import PUSH_ONLY
 
 
 class SoftFingerLimit(Limit):
