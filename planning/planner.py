@@ -33,8 +33,8 @@ from .solvers import solve_with_clarabel
 from .tick.answers import Solved, proof_of
 from .tick.compiled_allocation import SOLVER, Point
 from .tick.compiled_nearest import FORBIDDEN, UNPROVEN, Near, left_open
-from .tick.next_problem import next_problem
 from .tick.plan_inputs import RefusedError, read_beside, read_wrench
+from .tick.program_at_contacts import next_problem
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
 from .tick.stopping import Stop, Stopping
@@ -195,7 +195,7 @@ class WrenchPlanner:
     def problem(self, wrench: ArrayLike | None = None, contacts: Mapping[str, ArrayLike] = NOWHERE) -> cvxpy.Problem:
         """What the next call of `plan` is to solve, in cvxpy: to be read, changed, and solved by any of its solvers.
         For the wrench (3,) of the last call unless one is given, at contacts (3,) by arm; arms left out hold where they
-        held, or at their first candidate. See `tick/next_problem.py` for its names."""
+        held, or at their first candidate. See `tick/program_at_contacts.py` for its names."""
         return next_problem(self._now.terms, self._now.last, self._asked if wrench is None else wrench, contacts)
 
     def plan_or_hold(
@@ -258,7 +258,7 @@ class WrenchPlanner:
                 now.take_arms(arms)  # first: what is held must obey them as well
             now.take_postures(contacts)
             self._asked = read_wrench(wrench)
-            now.take_beside(read_beside(beside))
+            now.terms.take_beside(read_beside(beside))
             if estimate is not None:
                 now.take_estimate(estimate)
             if now.terms.base.looks_at_wheels:

@@ -19,7 +19,7 @@ import math
 from collections.abc import Sequence
 from dataclasses import dataclass
 from functools import cached_property
-from typing import Any, NamedTuple, Protocol, Self
+from typing import Any, NamedTuple, Self
 
 import numpy as np
 
@@ -46,22 +46,6 @@ class Cone:
         """The part for this cone (k, ...) of values of the program's rows (m, ...); zero if it has none there."""
         k = len(self.offset)
         return np.zeros((k, *of_rows.shape[1:])) if self.row is None else of_rows[self.row : self.row + k]
-
-
-class Bounds(Protocol):
-    """Limits of single unknowns, with names."""
-
-    @property
-    def lower(self) -> Array: ...
-
-    @property
-    def upper(self) -> Array: ...
-
-    @property
-    def lower_names(self) -> tuple[str, ...]: ...
-
-    @property
-    def upper_names(self) -> tuple[str, ...]: ...
 
 
 @dataclass(frozen=True, eq=False)
@@ -129,16 +113,12 @@ class QuadraticProgram:
     def with_cones(self, cones: tuple[Cone, ...]) -> Self:
         return self._but(cones=cones)
 
-    def with_bounds(self, bounds: Bounds) -> Self:
-        """The same program with other bounds on its first unknowns."""
-        k = len(bounds.lower)
-        lower, upper = self.lower.copy(), self.upper.copy()
-        lower[:k], upper[:k] = bounds.lower, bounds.upper
-        names = {
-            "lower_names": bounds.lower_names + self.lower_names[k:],
-            "upper_names": bounds.upper_names + self.upper_names[k:],
-        }
-        return self._but(lower=lower, upper=upper, **names)
+    def with_bounds(self, low: Array, high: Array, names: LimitNames) -> Self:
+        """The same program with other bounds (k,) on its first unknowns."""
+        k, lower, upper = len(low), self.lower.copy(), self.upper.copy()
+        lower[:k], upper[:k] = low, high
+        lower_names, upper_names = names[0] + self.lower_names[k:], names[1] + self.upper_names[k:]
+        return self._but(lower=lower, upper=upper, lower_names=lower_names, upper_names=upper_names)
 
     def with_gradient(self, gradient: Array, constant: float) -> Self:
         return self._but(gradient=gradient, constant=constant)

@@ -103,8 +103,9 @@ class AllocationTemplate:
         other = object.__new__(type(self))
         other.__dict__.update(self.__dict__, limits=limits)
         other.__dict__.pop("fixed", None)
+        names = limits.lower_names, limits.upper_names
         for blank in other.__dict__.keys() & {"at_points", "_over_ranges"}:
-            other.__dict__[blank] = other.__dict__[blank].with_bounds(limits)
+            other.__dict__[blank] = other.__dict__[blank].with_bounds(limits.lower, limits.upper, names)
         return other
 
     # --- structure ----------------------------------------------------------------------------------------

@@ -6,7 +6,6 @@ The pyramid's edges (generators) are `fx (1, mu cos a_k, mu sin a_k)` with a_k =
     cos(a_k + pi/sides) fy + sin(a_k + pi/sides) fz <= mu cos(pi/sides) fx.
 
 A force on edge k makes rows k - 1 and k active.
-
 """
 
 from __future__ import annotations

@@ -53,7 +53,7 @@ class Stopping(NamedTuple):
                 near = _without_wrenches(found) if share is None else self._near(share, asked)
             return near if near.is_usable else Plan.of(vars(near) | self._stopped(gentle, share))
         finally:
-            self.now.keep(1.0)
+            self.now.terms.keep(1.0)
 
     def _near(self, share: float, asked: ArrayLike) -> Plan:
         near = self._kept(share, asked)
@@ -82,7 +82,7 @@ class Stopping(NamedTuple):
 
     def _kept(self, share: float | None, wanted: ArrayLike, exact: bool = False) -> Plan:
         self.now.go_back_to(self.before)
-        self.now.keep(share)
+        self.now.terms.keep(share)
         return self.plan(wanted, exact)
 
     def _largest_share(self, wanted: ArrayLike) -> tuple[float | None, Plan]:

@@ -7,7 +7,7 @@ the bounds about the last wrench; new arms cost their rows.
 from __future__ import annotations
 
 from collections.abc import Callable, Iterable, Mapping, Sequence
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import cached_property, partial
 from operator import is_
 from typing import TYPE_CHECKING
@@ -38,6 +38,25 @@ if TYPE_CHECKING:
 WRENCH_TOLERANCE = 1e-9  # of the largest component, at least 1 N
 
 
+@dataclass(frozen=True)
+class Settings:
+    """What a planner was made with, the arms aside; `period` in s, `min_hand_distance` in m."""
+
+    cart: CartModel
+    objective: Objective | None
+    cart_limits: RobustLimits
+    min_hand_distance: float
+    period: float
+    relax: float
+    switching_cost: float | Mapping[str, float]
+    solver: str | None
+
+    def costs_of(self, names: Sequence[str]) -> float | Mapping[str, float]:
+        """Switching costs of these arms alone."""
+        costs = self.switching_cost
+        return {n: cost for n, cost in costs.items() if n in names} if isinstance(costs, Mapping) else costs
+
+
 # Many methods: one for each kind of news between two ticks (estimate, arms, postures, last wrench, margins).
 class Terms:
     """`base` is the template but for the rate of change, `template` with it."""
@@ -50,16 +69,10 @@ class Terms:
     has_postures: bool
     yaws: dict[str, float]
 
-    def __init__(
-        self,
-        cart: CartModel,
-        arms: Sequence[Arm],
-        objective: Objective | None,
-        cart_limits: RobustLimits,
-        distance_and_period: tuple[float, float],
-    ) -> None:
-        base = AllocationTemplate.of(cart, arms, objective)
-        self._pushed, self._on_floor = PushedCart(cart, None, base.arms), cart_limits.on_floor(cart)
+    def __init__(self, settings: Settings, arms: Sequence[Arm]) -> None:
+        cart, self._settings, self._cart_limits = settings.cart, settings, settings.cart_limits
+        base = AllocationTemplate.of(cart, arms, settings.objective)
+        self._pushed, self._on_floor = PushedCart(cart, None, base.arms), self._cart_limits.on_floor(cart)
         self._covariance: Array | None = None
         self.estimate: Estimate | None = None
         self.wheel_forces: Callable[[Array], WheelForces] = partial(WheelForces.of, cart)
@@ -69,9 +82,8 @@ class Terms:
         self.beside: Array | None = None
         """What others give the cart besides: a spatial wrench (6,) about {b}'s origin."""
         self._places: list[tuple[ContactSet, Reach | None]] = []
-        self._cart_limits = cart_limits
-        self._distance, self._period = distance_and_period
-        self._rows = cart_limits.rows(self._pushed, None, self._on_floor)
+        self._last = np.zeros(base.n)
+        self._rows = self._cart_limits.rows(self._pushed, None, self._on_floor)
         self._use(base.with_cart_rows(self._rows))
 
     def take_postures(self, contacts: Mapping[str, ArrayLike] | None) -> bool:
@@ -146,14 +158,13 @@ class Terms:
         """The named arms that have a reach, with it."""
         return [(arm.name, arm.reach) for arm in self.base.arms if arm.name in names and arm.reach is not None]
 
-    def take_estimate(self, estimate: Estimate) -> bool:
-        """The cart's limits for the cart and motion as now estimated; False if there are no such limits, or they
-        are those of this very estimate already."""
+    def take_estimate(self, estimate: Estimate) -> None:
+        """The cart's limits for the cart and motion as now estimated."""
         if estimate is self.estimate:
-            return False
+            return
         if not self._cart_limits.limits:
             self._believe(estimate)
-            return False
+            return
         cart = read_cart(estimate, self.base.basis_b)
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
@@ -170,16 +181,14 @@ class Terms:
         self._pushed, self._on_floor, self._covariance = pushed, on_floor, covariance
         self._believe(estimate)
         self._take_rows(rows)
-        return True
 
-    def take_beside(self, wrench_b: Array | None) -> bool:
-        """What others give besides from now on; True if that changed anything."""
+    def take_beside(self, wrench_b: Array | None) -> None:
+        """What others give besides from now on."""
         before = self.beside
         if wrench_b is before or (wrench_b is not None and before is not None and np.array_equal(wrench_b, before)):
-            return False
+            return
         self.beside = wrench_b
         self._take_rows(self._rows)
-        return True
 
     def keep(self, share: float | None) -> None:
         """That share of the margins of `confidence`, until another is kept or an estimate is taken; None: not even the
@@ -197,6 +206,7 @@ class Terms:
     def _take_rows(self, rows: CartRows) -> None:
         self._rows = rows
         self.template = self.base = self.base.with_cart_rows(self._rows_now)
+        self.take_last(self._last)
 
     @property
     def _rows_now(self) -> CartRows:
@@ -208,6 +218,7 @@ class Terms:
 
     def take_last(self, wrenches: Array) -> None:
         """Bounds about the last wrenches (6n,), where an arm has a rate."""
+        self._last = wrenches
         if self.rate is not None:
             limits = self.base.limits
             last = np.clip(wrenches, limits.lower, limits.upper)
@@ -218,12 +229,12 @@ class Terms:
         places = [(arm.contacts, arm.reach) for arm in base.arms]
         if places != self._places:
             sets = {arm.name: _within_reach(arm) for arm in base.arms}
-            self.candidates = Candidates.of(list(sets.values()), self._distance)
+            self.candidates = Candidates.of(list(sets.values()), self._settings.min_hand_distance)
             self.sets, self._places = sets, places
         self.template = self.base = base
         self.yaws = {arm.name: arm.yaw for arm in base.arms}
         self.has_postures = any(arm.postures is not None for arm in base.arms)
-        self.rate = WrenchRate.of(base.arms, self._period)
+        self.rate = WrenchRate.of(base.arms, self._settings.period)
 
 
 def scaled_into(limits: LimitRows, wrenches: Array) -> Array:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import math
 from collections.abc import Callable, Mapping, Sequence
-from dataclasses import dataclass
 from typing import TYPE_CHECKING, Self
 
 from numpy.typing import ArrayLike
@@ -16,8 +15,6 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ..contacts.contact_cases import CaseSolver
 from ..contacts.switching_cost import SwitchingCost
-from ..limits.robust import RobustLimits
-from ..objectives import Objective
 from ..plan import INVALID_INPUT
 from ..solvers import QuadraticSolver
 from .answers import Answers
@@ -27,33 +24,10 @@ from .given_contacts import GivenContacts
 from .last_plan import LastPlan
 from .plan_inputs import RefusedError, read_arms
 from .program_at_contacts import ProgramAtContacts
-from .terms import Terms, scaled_into
+from .terms import Settings, Terms, scaled_into
 
 if TYPE_CHECKING:
-    from cartgrasp.model import CartModel
     from cartgrasp.motion import Estimate
-
-
-@dataclass(frozen=True)
-class Settings:
-    """What a planner was made with, the arms aside; `period` in s, `min_hand_distance` in m."""
-
-    cart: CartModel
-    objective: Objective | None
-    cart_limits: RobustLimits
-    min_hand_distance: float
-    period: float
-    relax: float
-    switching_cost: float | Mapping[str, float]
-    solver: str | None
-
-    def costs_of(self, names: Sequence[str]) -> float | Mapping[str, float]:
-        """Switching costs of these arms alone."""
-        costs = self.switching_cost
-        return {n: cost for n, cost in costs.items() if n in names} if isinstance(costs, Mapping) else costs
-
-    def terms(self, arms: Sequence[Arm]) -> Terms:
-        return Terms(self.cart, arms, self.objective, self.cart_limits, (self.min_hand_distance, self.period))
 
 
 # Many methods: one for each kind of news that a planner gets between two ticks; it alone is changed by them.
@@ -64,9 +38,8 @@ class TickState:
         self._settings, self.is_warm, self.last, self.before = settings, False, LastPlan.none(0), LastPlan.none(0)
         self.newest_estimate = -math.inf
         self.stop_share = 1.0  # of the margins, with which the last tick without a plan stopped the cart
-        self.solver = QuadraticSolver(name=settings.solver)
         self.compiled: CompiledPlanning | None = None
-        self._begin(settings.terms(arms), ())
+        self._begin(Terms(settings, arms), ())
         self.names = self.terms.base.names
         self.reset()
 
@@ -99,31 +72,24 @@ class TickState:
 
     def renew_solvers(self) -> None:
         """Workspaces that no other solves with."""
-        self.solver, self.cases = QuadraticSolver(), CaseSolver(self.terms.template)
-        self.answers, self.program = Answers(self.terms, self._settings.relax), ProgramAtContacts(self.terms)
+        terms, solver = self.terms, self._settings.solver
+        self.solver, self._cases = QuadraticSolver(name=solver), CaseSolver(terms.template, solver)
+        self.answers, self.program = Answers(terms, self._settings.relax, solver), ProgramAtContacts(terms)
+
+    @property
+    def cases(self) -> CaseSolver:
+        """For what holds now."""
+        self._cases.template = self.terms.template
+        return self._cases
 
     # --- what a tick says ---------------------------------------------------------------------------------
 
     def take_estimate(self, estimate: Estimate) -> None:
         newest, before = check_estimate(estimate, self.newest_estimate), self.terms.base.cart_rows
-        if self.terms.take_estimate(estimate):
-            self.program.drop()
-            self._take_last()
-            if not self.terms.base.cart_rows.is_like(before):  # margins came, or went
-                self._compile()
+        self.terms.take_estimate(estimate)
+        if not self.terms.base.cart_rows.is_like(before):  # margins came, or went
+            self._compile()
         self.newest_estimate = newest  # one that is refused makes no later one stale
-
-    def take_beside(self, wrench_b: Array | None) -> None:
-        """What others give the cart besides, as `Terms.beside`."""
-        if self.terms.take_beside(wrench_b):
-            self.program.drop()
-            self._take_last()
-
-    def keep(self, share: float | None) -> None:
-        """That share of the margins, as `Terms.keep` says, for what is planned from now on."""
-        self.terms.keep(share)
-        self.program.drop()
-        self._take_last()
 
     def go_back_to(self, last: LastPlan) -> None:
         """As if what was remembered since had not been."""
@@ -137,7 +103,7 @@ class TickState:
                 self.begin_terms()
             return
         try:
-            terms = self._settings.terms([new[name] for name in self.names if name in new])
+            terms = Terms(self._settings, [new[name] for name in self.names if name in new])
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
         if before.estimate is not None:
@@ -158,18 +124,17 @@ class TickState:
 
     def _begin(self, terms: Terms, before: Sequence[str]) -> None:
         """What is made for the arms of `terms`; of those `before` what was last is kept."""
-        names, settings, solver = terms.base.names, self._settings, self._settings.solver
+        names, settings = terms.base.names, self._settings
         costs = settings.costs_of(names) if before else settings.switching_cost  # which are checked at first
         self.terms, self.switching = terms, SwitchingCost(costs, names)
         self.last = self.last.among(before, names)
-        self.cases, self.given = CaseSolver(terms.template, solver), GivenContacts(terms)
-        self.answers, self.program = Answers(terms, settings.relax, solver), ProgramAtContacts(terms)
+        self.given = GivenContacts(terms)
+        self.renew_solvers()
         self.compiled, self.cost = None, terms.base.cost(self.last.wrenches)
         self.begin_terms()
 
     def begin_terms(self) -> None:
         """Drops what was made for other arms, and scales what is held into the limits of these."""
-        self.program.drop()
         if not self.given.fits:
             self.given, self.last = GivenContacts(self.terms), self.last._replace(choice=None)
         self.compiled = None if self.compiled is None else self.compiled.renewed()
@@ -185,8 +150,4 @@ class TickState:
     def look_back_at(self, wrenches: Array) -> None:
         self.last = self.last._replace(wrenches=wrenches)
         self.cost = self.terms.base.cost(wrenches)
-        self._take_last()
-
-    def _take_last(self) -> None:
-        self.terms.take_last(self.last.wrenches)
-        self.cases.template = self.terms.template
+        self.terms.take_last(wrenches)
