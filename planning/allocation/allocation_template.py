@@ -36,7 +36,8 @@ from cartgrasp.model import CartModel
 from ..limits import CartLimit, CartRows, LimitRows, PushedCart, cart_rows, joined, limits_of
 from ..objectives import Cost, Lexicographic, Objective, WeightedWrench
 from ..quadratic_program import QuadraticProgram
-from .effective_rows import in_words
+
+PLANAR_NAMES = ("fx", "fy", "tau")
 
 
 # Many methods: the parts of one program (costs, rows, limits, slacks), each kept until what it depends on changes, and
@@ -317,3 +318,14 @@ class AllocationTemplate:
         if not self.cart_rows.cone_names:
             return program
         return program.with_cones((*blank.cones, *self.cart_rows.cones_over(matrix, len(self.fixed.rows), moved)))
+
+
+def in_words(direction: Array) -> str:
+    """A combination of (fx, fy, tau), as `fx` or `tau - 0.3 fy`."""
+    parts = sorted(zip(direction, PLANAR_NAMES, strict=True), key=lambda part: part[1] != "tau" or part[0] < 0)
+    text = ""
+    for factor, name in parts:
+        if abs(factor) > 1e-9:
+            sign = (" - " if factor < 0 else " + ") if text else ("-" if factor < 0 else "")
+            text += sign + ("" if abs(abs(factor) - 1) < 1e-9 else f"{abs(factor):.4g} ") + name
+    return text or "0"

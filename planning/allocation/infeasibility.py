@@ -21,9 +21,8 @@ from cartgrasp.frames import Array
 
 from ..quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from ..solvers import QuadraticSolver, solve_with_clarabel
-from .allocation_template import AllocationTemplate
+from .allocation_template import AllocationTemplate, in_words
 from .duality import Cut, farkas_cut
-from .effective_rows import in_words
 from .projection import Projection
 
 NEGLIGIBLE_MULTIPLIER_RATIO = 1e-7  # of the largest: below it is rounding

@@ -20,8 +20,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
-from .linear_program import maximizer
-from .wrench_polytope import WrenchPolytope
+from .wrench_polytope import WrenchPolytope, maximizer
 
 
 @dataclass(frozen=True, eq=False)

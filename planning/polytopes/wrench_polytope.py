@@ -12,6 +12,7 @@ from typing import NamedTuple
 
 import numpy as np
 from numpy.typing import ArrayLike
+from scipy.optimize import linprog
 
 from cartgrasp.arms import Arm
 from cartgrasp.checks import brief
@@ -20,8 +21,9 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from ..limits import limits_of
-from .linear_program import maximizer
 
+SOLVED, UNBOUNDED = 0, 3
+"""Statuses of SciPy's `linprog`."""
 MIN_PRICE_RATIO = 1e-9
 """Share of the largest price (dual value) below which a limit only touches and doesn't bind."""
 
@@ -75,6 +77,20 @@ class WrenchPolytope:
             except UsageError:
                 ends.append(f"{sign * np.inf}")
         return " to ".join(ends)
+
+
+def maximizer(
+    gain: Array, rows: Array, limits: Array, equal: Array | None = None, what: str = "this"
+) -> tuple[Array, Array]:
+    """An x (n,) that maximizes `gain · x` subject to `rows @ x <= limits` (k,) and `equal @ x == 0`, and how much more
+    each limit would give per unit (k,). `what` names the gain in the words of an error. Solved by HiGHS."""
+    values = None if equal is None else np.zeros(len(equal))
+    answer = linprog(-gain, rows, limits, equal, values, bounds=(None, None), method="highs-ds")
+    if answer.status == UNBOUNDED:
+        raise UsageError(f"nothing limits {what}; add limits of the arms or their joints")
+    if answer.status != SOLVED or answer.x is None:
+        raise UsageError(f"{what}: no wrench within all {len(limits)} limits was found: {answer.message}")
+    return np.asarray(answer.x, dtype=float), -np.asarray(answer.ineqlin.marginals, dtype=float)
 
 
 def _checked(direction: ArrayLike) -> Array:

@@ -61,8 +61,7 @@ def _first(name: str | None) -> Solver:
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
     """Interior point, then a polish on the active set it found, or steps; about 100 times slower than daqp."""
-    from .clarabel_solver import solve
-    from .proximal import solve_by_steps
+    from .clarabel_solver import solve, solve_by_steps
 
     solution = solve(program)
     if not np.isfinite(solution.residuals.equality):

@@ -2,15 +2,20 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import clarabel
 import numpy as np
 from scipy import sparse
 
-from planning.quadratic_program import INFEASIBLE, NUMERICAL, QPSolution, QuadraticProgram
+from planning.quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram
 
 from .one_sided import OneSided
+from .polish import polish
 
 CLARABEL_TOLERANCE = 1e-12
+PROXIMAL_STEPS = 5
+PROXIMAL_WEIGHT_RATIO = 1e-4  # of the largest curvature, at least 1
 MAX_SOLUTION = 1e50  # what is larger overflows in a proof
 USABLE_STATUSES = ("Solved", "AlmostSolved", "InsufficientProgress", "MaxIterations")
 
@@ -37,6 +42,29 @@ def solve(program: QuadraticProgram) -> QPSolution:
     of_equal, of_rest, *z = np.split(np.asarray(found.z), np.cumsum([len(v) for v in values])[:-1])
     y = sides.multipliers(of_equal, of_rest, len(program.upper))
     return QPSolution.checked(program, x, y, z, "clarabel", status)
+
+
+def solve_by_steps(program: QuadraticProgram, solution: QPSolution) -> QPSolution:
+    """From what a solver came to, by proximal points (Rockafellar 1976), for costs that are flat along some directions,
+    where an interior point stalls; that again where no step ends in an answer that verifies.
+
+    Each step minimises the cost and a little of the squared way from the last point, which is strictly convex. Where a
+    step leads nowhere, its multipliers are those of the cost alone."""
+    x = solution.x
+    added = PROXIMAL_WEIGHT_RATIO * max(1.0, float(np.abs(program.hessian).max(initial=0.0)))
+    for _ in range(PROXIMAL_STEPS):
+        curved = program.hessian + added * np.eye(program.n)
+        step = solve(replace(program, hessian=curved, gradient=program.gradient - added * x))
+        if not np.isfinite(step.residuals.equality):
+            return solution
+        found = QPSolution.checked(
+            program, step.x, step.multipliers, step.cone_multipliers, "clarabel, in steps", solution.message
+        )
+        found = found if found.status == OPTIMAL else polish(program, found)
+        if found.status == OPTIMAL:
+            return found
+        x = step.x
+    return solution
 
 
 def _settings() -> clarabel.DefaultSettings:
