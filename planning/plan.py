@@ -15,7 +15,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import WheelForces
 from cartgrasp.frames import PLANAR, Array
 
-from .allocation.infeasibility import Certificate, Nearest
+from .allocation.infeasibility import Certificate, Nearest, arms_as_dict
 from .quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL, QPSolution, QuadraticProgram, Residuals
 
 if TYPE_CHECKING:
@@ -217,10 +217,7 @@ class Plan:
         document: dict[str, Any] = {
             "status": self.status,
             "effort": self.effort,
-            "arms": {
-                name: {"contact": self.contacts[name].tolist(), "wrench": wrench.tolist()}
-                for name, wrench in self.wrenches.items()
-            },
+            "arms": arms_as_dict(self.contacts, self.wrenches),
             "active": list(self.active),
             "residuals": None if self.residuals is None else self.residuals.as_dict(),
             "choice": None if self.choice is None else self.choice.as_dict(),

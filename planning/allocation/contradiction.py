@@ -16,7 +16,7 @@ from ..quadratic_program import OPTIMAL, QuadraticProgram
 from ..solvers import QuadraticSolver
 from .allocation_template import AllocationTemplate
 from .duality import infeasible_by
-from .infeasibility import Bound, Certificate
+from .infeasibility import Certificate
 from .projection import moved, project, projection_program
 
 ROW_TOLERANCE = 1e-12  # of the largest limit
@@ -44,15 +44,10 @@ def contradiction(
     limits = np.abs([template.cart_rows.low, template.cart_rows.high])
     if least <= ROW_TOLERANCE * max(1.0, float(limits[np.isfinite(limits)].max(initial=0.0))):
         return None
-    missed = _missed(template, projection.slack[:c])
-    parts = "; ".join(f"{name} by {amount.value:.6g} {amount.unit}" for name, amount in missed.items())
-    amounts = {name: amount.value for name, amount in missed.items()}
+    rows, slack = template.cart_rows, projection.slack[:c]
+    sides = zip(slack.tolist(), rows.low_names, rows.high_names, rows.each_unit, strict=True)
+    largest = float(np.abs(slack).max(initial=0.0))
+    missed = {low if t > 0 else high: (abs(t), unit) for t, low, high, unit in sides if abs(t) > 1e-7 * largest}
+    parts = "; ".join(f"{name} by {amount:.6g} {unit}" for name, (amount, unit) in missed.items())
+    amounts = {name: amount for name, (amount, _) in missed.items()}
     return Certificate(f"{parts}: missed at least that much, whatever the arms give", least, 0.0, (), amounts)
-
-
-def _missed(template: AllocationTemplate, slack: Array) -> dict[str, Bound]:
-    rows, found = template.cart_rows, dict[str, Bound]()
-    for t, low, high, unit in zip(slack.tolist(), rows.low_names, rows.high_names, rows.each_unit, strict=True):
-        if abs(t) > 1e-7 * float(np.abs(slack).max()):
-            found[low if t > 0 else high] = Bound(abs(t), unit)
-    return found

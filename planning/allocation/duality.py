@@ -98,18 +98,14 @@ def farkas_cut(template: AllocationTemplate, solution: QPSolution, slack: Array,
 def infeasible_by(program: QuadraticProgram, solution: QPSolution, slack: Array) -> float:
     """A distance that a program's equalities are missed by at least, from its projection's `solution`:
     positive proves the program infeasible. Other than a cut, it weighs the two rows of a range one by one."""
-    n, start = program.n, len(solution.x)
-    y = solution.multipliers[start:]
-    lower, upper = program.lower[n:], program.upper[n:]
-    limits = np.where(y > 0, upper, lower)
-    held = (y != 0) & np.isfinite(limits)
-    linear = y[held] @ program.rows[held]
-    constant = -float(y[held] @ limits[held])
+    n = program.n
+    y, sigma = _priced(solution.multipliers[len(solution.x) :], program.lower[n:], program.upper[n:])
+    linear = y @ program.rows
     for cone, z in zip(program.cones, solution.cone_multipliers, strict=True):
         inside = into_cone(z)
-        linear, constant = linear - inside @ cone.rows, constant - float(inside @ cone.offset)
+        linear, sigma = linear - inside @ cone.rows, sigma + float(inside @ cone.offset)
     box = (np.maximum(program.lower[:n], -UNLIMITED_FORCE), np.minimum(program.upper[:n], UNLIMITED_FORCE))
-    return (constant + float(_least(np.zeros(n), linear, *box))) / float(np.linalg.norm(slack))
+    return (float(_least(np.zeros(n), linear, *box)) - sigma) / float(np.linalg.norm(slack))
 
 
 def _cut(

@@ -63,16 +63,8 @@ class Nearest:
         return self.distance <= most and self.solution.residuals.feasible
 
     def as_dict(self) -> dict[str, Any]:
-        arms = {
-            name: {"contact": self.contacts[name].tolist(), "wrench": wrench.tolist()}
-            for name, wrench in self.wrenches.items()
-        }
-        return {
-            "wrench": self.wrench.tolist(),
-            "distance": self.distance,
-            "arms": arms,
-            "effort": self.effort,
-        }
+        arms = arms_as_dict(self.contacts, self.wrenches)
+        return {"wrench": self.wrench.tolist(), "distance": self.distance, "arms": arms, "effort": self.effort}
 
 
 @dataclass(frozen=True)
@@ -100,6 +92,11 @@ class Certificate:
         return {"words": self.words, **numbers, "limits": dict(self.limits), **remedy}
 
 
+def arms_as_dict(contacts: Mapping[str, Array], wrenches: Mapping[str, Array]) -> dict[str, Any]:
+    """What each arm gives, and where, for JSON."""
+    return {name: {"contact": contacts[name].tolist(), "wrench": wrench.tolist()} for name, wrench in wrenches.items()}
+
+
 def nearest_plan(
     template: AllocationTemplate, contacts: Array, projection: Projection, program: QuadraticProgram
 ) -> Nearest:
@@ -117,7 +114,7 @@ def nearest_plan(
     wrenches = solution.x[: template.n]
     parts = wrenches.reshape(-1, 6)
     return Nearest(
-        wrench=_total(template, contacts, parts),
+        wrench=np.einsum("nij,nj->i", grasp_map_planar(contacts, template.yaws), parts),
         distance=projection.distance,
         missing=dict(zip(template.row_names, projection.slack.tolist(), strict=True)),
         contacts=dict(zip(template.names, contacts, strict=True)),
@@ -193,7 +190,3 @@ def _words(bounds: Mapping[str, Bound], direction: Array, numbers: tuple[float, 
     asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
     subject = "together they give" if len(parts) > 1 else "it gives"
     return f"{'; '.join(parts)}: {subject} at most {most} of {of_what}, {asked} is asked"
-
-
-def _total(template: AllocationTemplate, contacts: Array, wrenches: Array) -> Array:
-    return np.asarray(np.einsum("nij,nj->i", grasp_map_planar(contacts, template.yaws), wrenches))

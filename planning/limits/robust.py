@@ -64,12 +64,11 @@ class RobustLimits:
         """Cones in the place of sides that depend on the cart's parameters, of which `covariance` (p, p) is; `on_floor`
         is what this says of such a cart, `share` how much of the margins is kept; None: no limit of the floor is."""
         stated = self.on_floor(pushed.cart) if on_floor is None else on_floor
-        others = [limit.checked_rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
-        parts, n_arms = others, len(pushed.arms)
+        parts = [limit.checked_rows(pushed) for limit in self.limits if not isinstance(limit, FloorLimit)]
         if len(stated.low):
-            on_floor_now = self._with_margins(stated, pushed, covariance, share or 0.0)
-            parts = [*others, on_floor_now.lifted() if share is None else on_floor_now]
-        return CartRows.stacked(parts, n_arms) if len(parts) != 1 else parts[0]
+            now = self._with_margins(stated, pushed, covariance, share or 0.0)
+            parts.append(now.lifted() if share is None else now)
+        return parts[0] if len(parts) == 1 else CartRows.stacked(parts, len(pushed.arms))
 
     def _with_margins(self, stated: FloorRows, pushed: PushedCart, covariance: Array | None, share: float) -> CartRows:
         n_arms = len(pushed.arms)

@@ -58,8 +58,10 @@ class WrenchPolytope:
         return cls(rows[finite], limits[finite], tuple(compress(names, finite)))
 
     def support(self, direction: ArrayLike) -> Farthest:
-        """max direction · F over the polytope: the other components may be whatever helps. Solved by HiGHS."""
-        towards = _checked(direction)
+        """max direction · F over the polytope: the other components may be whatever helps."""
+        towards = np.asarray(direction, dtype=float)
+        if towards.shape != (6,) or not np.isfinite(towards).all() or not towards.any():
+            raise UsageError(f"wrench polytope: a direction is six finite numbers, not all 0: {towards.tolist()}")
         wrench, prices = maximizer(towards, self.rows, self.limits, what=_in_words(towards))
         binding = prices > MIN_PRICE_RATIO * prices.max()
         return Farthest(float(towards @ wrench), wrench, tuple(compress(self.names, binding)))
@@ -91,13 +93,6 @@ def maximizer(
     if answer.status != SOLVED or answer.x is None:
         raise UsageError(f"{what}: no wrench within all {len(limits)} limits was found: {answer.message}")
     return np.asarray(answer.x, dtype=float), -np.asarray(answer.ineqlin.marginals, dtype=float)
-
-
-def _checked(direction: ArrayLike) -> Array:
-    towards = np.asarray(direction, dtype=float)
-    if towards.shape != (6,) or not np.isfinite(towards).all() or not towards.any():
-        raise UsageError(f"wrench polytope: a direction is six finite numbers, not all 0: {towards.tolist()}")
-    return towards
 
 
 def _in_words(direction: Array) -> str:

@@ -4,7 +4,7 @@ polish in between."""
 from __future__ import annotations
 
 from dataclasses import replace
-from typing import Protocol
+from typing import TYPE_CHECKING
 
 import numpy as np
 
@@ -13,13 +13,10 @@ from planning.quadratic_program import INFEASIBLE, OPTIMAL, QPSolution, Quadrati
 from .daqp_solver import DaqpSolver
 from .polish import polish
 
+if TYPE_CHECKING:
+    from .named_solver import NamedSolver
+
 __all__ = ["QuadraticSolver", "solve_with_clarabel"]
-
-
-class Solver(Protocol):
-    """Proposes a solution: `optimal` where that verifies, `infeasible` and `numerical` as it says itself."""
-
-    def solve(self, program: QuadraticProgram) -> QPSolution: ...
 
 
 class QuadraticSolver:
@@ -31,7 +28,13 @@ class QuadraticSolver:
     """
 
     def __init__(self, always_feasible: bool = False, name: str | None = None) -> None:
-        self._first = _first(name)
+        self._first: DaqpSolver | NamedSolver
+        if name is None:
+            self._first = DaqpSolver()
+        else:
+            from .named_solver import NamedSolver  # imports qpsolvers
+
+            self._first = NamedSolver(name)
         self._always_polished, self._is_named = always_feasible or name is not None, name is not None
 
     def solve(self, program: QuadraticProgram) -> QPSolution:
@@ -49,14 +52,6 @@ class QuadraticSolver:
         fallback = solve_with_clarabel(program)
         why = solution.message or f"{solution.solver} did not reach the tolerance"
         return replace(fallback, message=f"fallback: {why}")
-
-
-def _first(name: str | None) -> Solver:
-    if name is None:
-        return DaqpSolver()
-    from .named_solver import NamedSolver  # imports qpsolvers
-
-    return NamedSolver(name)
 
 
 def solve_with_clarabel(program: QuadraticProgram) -> QPSolution:
