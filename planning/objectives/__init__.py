@@ -1,14 +1,10 @@
-"""Objectives of an allocation, one small file each."""
+"""Objectives of an allocation."""
 
 from __future__ import annotations
 
-from .least_internal_force import LeastInternalForce
-from .least_joint_torque import LeastJointTorque
-from .least_side_force import LeastSideForce
+from .additions import LeastInternalForce, LeastJointTorque, LeastSideForce, LoadShare, Smoothness
 from .lexicographic import Lexicographic
-from .load_share import LoadShare
 from .objective import Cost, Nothing, Objective, WeightedWrench
-from .smoothness import Smoothness
 from .worst_arm import WorstArm
 
 __all__ = [
