@@ -7,12 +7,11 @@ import math
 from cartgrasp.arms import Arm
 from cartgrasp.friction import EXACT
 
-from .bounds import Payload, PushOnly, WrenchBox
+from .bounds import JointTorque, Payload, PushOnly, WrenchBox
 from .cart_limit import CartLimit, CartRows, PushedCart, cart_rows
 from .floor_limit import FloorLimit, FloorRows
 from .friction import FrictionCone, FrictionPyramid
 from .internal_force import InternalForce
-from .joint_torque import JointTorque
 from .limit import Limit, LimitRows, joined, user_rows
 from .soft_finger import SoftFingerLimit
 from .wheel_limits import SideForce, Skid, TipOver

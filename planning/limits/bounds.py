@@ -1,10 +1,11 @@
-"""Bounds of single components of an arm's wrench, N and N·m per axis of {a}."""
+"""Bounds of single components of an arm's wrench, N and N·m per axis of {a}, and of what its single joints bear."""
 
 from __future__ import annotations
 
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.errors import UsageError
 from cartgrasp.wheels import GRAVITY
 
 from .limit import Limit, LimitRows
@@ -41,3 +42,20 @@ class Payload(Limit):
         lower[2] = -upper[2]
         names = (("", "", f"payload {side}", "", "", "") for side in ("lower", "upper"))
         return LimitRows(lower, upper, *names)
+
+
+class JointTorque(Limit):
+    """What the joints bear: |Jᵀ F + tau_0| <= tau_max for each joint. The zero wrench holds it, since `JointTorques`
+    refuses a posture whose own weight breaks it."""
+
+    def rows(self, arm: Arm) -> LimitRows:
+        if arm.joints is None:
+            raise UsageError(f"arm {arm.name}: a limit of joint torques needs joints")
+        joints = arm.joints
+        return LimitRows(
+            rows=joints.jacobian.T,
+            limits=joints.torque_limit - joints.gravity_torque,
+            names=tuple(f"{label} torque upper" for label in joints.labels),
+            low_limits=-joints.torque_limit - joints.gravity_torque,
+            low_names=tuple(f"{label} torque lower" for label in joints.labels),
+        )

@@ -45,7 +45,9 @@ def pose(program: QuadraticProgram, arms: Sequence[str] = (), target: Any = None
     whose they are. `target` is an expression for what the equalities are held to, in the place of their numbers."""
     unknowns = _unknowns(program, arms)
     bounded = [(f"{name}:", np.arange(program.n)[where], variable) for name, where, variable in unknowns]
-    owners, first = np.array([_owner(name, arms) for name in _row_names(program)]), program.n
+    first, stop = program.n, len(program.lower) - program.n_equalities
+    names = zip(program.lower_names[first:stop], program.upper_names[first:stop], strict=True)
+    owners = np.array([_owner(low or high, arms) for low, high in names])
     groups = [(str(owner), first + np.flatnonzero(owners == owner)) for owner in dict.fromkeys(owners.tolist())]
     rowed = [(f"{owner}, rows:", rows, _over(program.rows[rows - first], unknowns)) for owner, rows in groups]
     sides = [side for owner, rows, values in bounded + rowed for side in _held(program, (owner, rows, values))]
@@ -129,13 +131,6 @@ def _cost(program: QuadraticProgram, unknowns: Sequence[Unknown]) -> Any:
     if program.gradient.any():
         cost = cost + _over(program.gradient[None], unknowns)[0]
     return cost + program.constant if program.constant else cost
-
-
-def _row_names(program: QuadraticProgram) -> list[str]:
-    """The names of the rows that are not equalities."""
-    stop = len(program.lower) - program.n_equalities
-    pairs = zip(program.lower_names[program.n : stop], program.upper_names[program.n : stop], strict=True)
-    return [low or high for low, high in pairs]
 
 
 def _owner(name: str, arms: Sequence[str]) -> str:

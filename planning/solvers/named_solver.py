@@ -54,9 +54,8 @@ class NamedSolver:
         self.name = check_installed(name)
 
     def solve(self, program: QuadraticProgram) -> QPSolution:
-        return self._conic(program) if program.cones else self._quadratic(program)
-
-    def _conic(self, program: QuadraticProgram) -> QPSolution:
+        if not program.cones:
+            return self._quadratic(program)
         from .cvxpy_problem import solve, takes_cones
 
         if takes_cones(self.name):

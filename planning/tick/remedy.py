@@ -54,10 +54,8 @@ def _aside(arms: Sequence[Arm], held: Array, index: int, distance: float) -> Can
     """One hand anywhere to either side that is in its reach, the others where they are."""
     sets = [ContactSet(((x, y, z),)) for x, y, z in held.tolist()]
     x, y, z = held[index].tolist()
-    low, high = (
-        max(y - CONTACT_SEARCH_HALF_WIDTH, -MAX_POSITION),
-        min(y + CONTACT_SEARCH_HALF_WIDTH, MAX_POSITION),
-    )
+    low = max(y - CONTACT_SEARCH_HALF_WIDTH, -MAX_POSITION)
+    high = min(y + CONTACT_SEARCH_HALF_WIDTH, MAX_POSITION)
     aside = ContactSet(segments=(Segment((x, low, z), (x, high, z)),))
     reach = arms[index].reach
     left = aside if reach is None else reach.clip(aside)

@@ -45,10 +45,10 @@ class TickState:
 
     def reset(self) -> None:
         """Forgets the last wrench, contacts and estimate's time."""
-        self.last, self.newest_estimate = LastPlan.none(len(self.terms.sets)), -math.inf
+        self.newest_estimate = -math.inf
         if self.compiled is not None:
             self.compiled.forget()
-        self.look_back_at(self.last.wrenches)
+        self.go_back_to(LastPlan.none(len(self.terms.sets)))
 
     def start_from(self, wrenches: Mapping[str, ArrayLike], contacts: Mapping[str, ArrayLike]) -> None:
         self.last = self.last.started(self.terms.base.names, wrenches, contacts)
@@ -56,13 +56,13 @@ class TickState:
 
     def warm_up(self, calls: Callable[[], object]) -> None:
         """Kernels from now on, which `calls` call; what is remembered stays."""
-        self.is_warm, kept = True, (self.last, self.newest_estimate)
+        self.is_warm, last, newest = True, self.last, self.newest_estimate
         self.reset()
         self.begin_terms()
         calls()
         self.reset()
-        self.last, self.newest_estimate = kept
-        self.look_back_at(self.last.wrenches)
+        self.newest_estimate = newest
+        self.go_back_to(last)
 
     def as_it_is(self) -> Self:
         """One that stays as this is now, without kernels."""
