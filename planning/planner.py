@@ -38,7 +38,8 @@ from .tick.program_at_contacts import next_problem
 from .tick.refusals import at_nearest, certified, out_of_reach, refusal, too_near, undecided, unproven
 from .tick.remedy import find_remedy, with_remedy
 from .tick.stopping import Stop, Stopping
-from .tick.tick_state import Settings, TickState
+from .tick.terms import Settings
+from .tick.tick_state import TickState
 
 if TYPE_CHECKING:
     import cvxpy

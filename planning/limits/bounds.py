@@ -40,8 +40,8 @@ class Payload(Limit):
         lower, upper = PLAIN.lower.copy(), PLAIN.upper.copy()
         upper[2] = GRAVITY * arm.payload
         lower[2] = -upper[2]
-        names = (("", "", f"payload {side}", "", "", "") for side in ("lower", "upper"))
-        return LimitRows(lower, upper, *names)
+        lower_names, upper_names = (("", "", f"payload {side}", "", "", "") for side in ("lower", "upper"))
+        return LimitRows(lower, upper, lower_names, upper_names)
 
 
 class JointTorque(Limit):

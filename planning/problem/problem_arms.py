@@ -101,7 +101,8 @@ def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -
             why = f"{len(values)} numbers, but there are {n} torque limits: one for each joint is needed"
             raise refuse([*where, "jacobian", row], why)
     with refusing(refuse, *where):
-        torques = JointTorques(*map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit)))
+        jacobian, gravity, limit = map(np.array, (entry.jacobian, entry.gravity_torque, entry.torque_limit))
+        torques = JointTorques(jacobian, gravity, limit)
     return torques
 
 
