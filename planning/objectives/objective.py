@@ -30,7 +30,7 @@ class Cost:
 
     @property
     def hessian(self) -> Array:
-        """Of the cost without its side force, over x."""
+        """The second derivative over x, without that of the side force."""
         hessian = np.diag(2.0 * self.weights)
         return hessian if self.coupling is None else hessian + 2.0 * self.coupling
 
