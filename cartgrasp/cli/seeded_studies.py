@@ -28,8 +28,7 @@ def run(name: str, counted: str, out: Path, as_json: bool, seed: int, count: int
 
 def _consistency(seeds: range, out: Path, tell: Tell) -> Findings:
     from ..studies.consistency import MODELS, SQUARES, run_seeds
-    from ..studies.consistency_figures_of_merit import COLUMNS, SCORE_COLUMNS, as_dict, claims, rows, score_rows
-    from ..studies.consistency_plots import save_plots
+    from ..studies.consistency_report import COLUMNS, SCORE_COLUMNS, as_dict, claims, rows, save_plots, score_rows
 
     found = run_seeds(seeds, usual_workers(), tell)
     save_plots(found, out)
@@ -45,7 +44,7 @@ def _consistency(seeds: range, out: Path, tell: Tell) -> Findings:
 
 def _disturbances(seeds: range, out: Path, tell: Tell) -> Findings:
     from ..studies.disturbances import run_cases
-    from ..studies.disturbances_figures_of_merit import COLUMNS, as_dict, claims, rows
+    from ..studies.disturbances_report import COLUMNS, as_dict, claims, rows
 
     outcomes = run_cases(seeds, usual_workers(), tell)
     promised = claims(outcomes)
@@ -62,7 +61,7 @@ def _effort(seeds: range, out: Path, tell: Tell) -> Findings:
 
 
 def _estimators(seeds: range, out: Path, tell: Tell) -> Findings:
-    from ..studies import estimators_figures_of_merit as merits
+    from ..studies import estimators_report as merits
     from ..studies.estimators import run_trials
 
     trials = run_trials(seeds, usual_workers(), tell)
@@ -81,8 +80,7 @@ def _estimators(seeds: range, out: Path, tell: Tell) -> Findings:
 
 def _excitation(seeds: range, out: Path, tell: Tell) -> Findings:
     from ..studies.excitation import run_ways
-    from ..studies.excitation_figures_of_merit import COLUMNS, PRICE_COLUMNS, as_dict, claims, price_rows, rows
-    from ..studies.excitation_plots import save_plots
+    from ..studies.excitation_report import COLUMNS, PRICE_COLUMNS, as_dict, claims, price_rows, rows, save_plots
 
     drives = run_ways(len(seeds), seeds.start, usual_workers(), tell)
     save_plots(drives, out)
@@ -97,12 +95,11 @@ def _excitation(seeds: range, out: Path, tell: Tell) -> Findings:
 
 
 def _hardware(seeds: range, out: Path, tell: Tell) -> Findings:
-    from ..studies import hardware_figures_of_merit as merits
+    from ..studies import hardware_report as merits
     from ..studies.hardware import run_experiments
-    from ..studies.hardware_plots import save_plots
 
     outcomes = run_experiments(len(seeds), seeds.start, usual_workers(), tell)
-    save_plots(outcomes, out)
+    merits.save_plots(outcomes, out)
     promised, papers = merits.claims(outcomes), merits.paper_claims(outcomes)
     sections = [
         Section("Mass, and rms errors of the rest", merits.COLUMNS, merits.rows(outcomes), left=2),
@@ -116,8 +113,7 @@ def _hardware(seeds: range, out: Path, tell: Tell) -> Findings:
 
 def _robust(seeds: range, out: Path, tell: Tell) -> Findings:
     from ..studies.robust_margins import run_seeds
-    from ..studies.robust_margins_figures_of_merit import COLUMNS, as_dict, claims, rows
-    from ..studies.robust_margins_plots import save_plots
+    from ..studies.robust_margins_report import COLUMNS, as_dict, claims, rows, save_plots
 
     runs = run_seeds(seeds, usual_workers(), tell)
     save_plots(runs, out)

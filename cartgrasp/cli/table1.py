@@ -6,8 +6,7 @@ from pathlib import Path
 
 from ..errors import UsageError
 from ..studies.table1 import ROWS, Row, gain_curve, run_rows
-from ..studies.table1_figures_of_merit import comparison, paper_claims, row_claims
-from ..studies.table1_plots import save_plots
+from ..studies.table1_report import comparison, paper_claims, row_claims, save_plots
 from .output import make_folder, progress
 from .study_report import Findings, Section, finish, usual_workers
 

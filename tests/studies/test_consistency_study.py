@@ -17,15 +17,15 @@ from cartgrasp.studies.consistency import (
     run_seeds,
     trace_both,
 )
-from cartgrasp.studies.consistency_figures_of_merit import (
+from cartgrasp.studies.consistency_report import (
     COLUMNS,
     SCORE_COLUMNS,
     claims,
     consistency,
     rows,
+    save_plots,
     score_rows,
 )
-from cartgrasp.studies.consistency_plots import save_plots
 from cartgrasp.studies.estimators import guess
 
 DIMENSIONS = dict(zip(SQUARES, (5, 7, 3, 2), strict=True))

@@ -21,7 +21,7 @@ from cartgrasp.studies.disturbances import (
     Case,
     Outcome,
 )
-from cartgrasp.studies.disturbances_figures_of_merit import COLUMNS, Merit, as_dict, claims, merit, rows
+from cartgrasp.studies.disturbances_report import COLUMNS, Merit, as_dict, claims, merit, rows
 from planning.references import chain, pause, speed_change
 
 

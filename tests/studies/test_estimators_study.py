@@ -6,7 +6,7 @@ import pytest
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive, run_trials, truth
-from cartgrasp.studies.estimators_figures_of_merit import (
+from cartgrasp.studies.estimators_report import (
     BETTER_COLUMNS,
     COLUMNS,
     MOTION_COLUMNS,

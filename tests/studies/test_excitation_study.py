@@ -16,8 +16,7 @@ from cartgrasp.studies.excitation import (
     excitation,
     run_ways,
 )
-from cartgrasp.studies.excitation_figures_of_merit import COLUMNS, as_dict, bounds, claims, rows
-from cartgrasp.studies.excitation_plots import figure_excitation
+from cartgrasp.studies.excitation_report import COLUMNS, as_dict, bounds, claims, figure_excitation, rows
 
 
 def test_what_the_references_can_teach():

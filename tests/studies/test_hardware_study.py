@@ -22,15 +22,15 @@ from cartgrasp.studies.hardware import (
     mass_bound,
     reversal_times,
 )
-from cartgrasp.studies.hardware_figures_of_merit import (
+from cartgrasp.studies.hardware_report import (
     COLUMNS,
     REVERSAL_COLUMNS,
     claims,
     paper_claims,
     reversal_rows,
     rows,
+    save_plots,
 )
-from cartgrasp.studies.hardware_plots import save_plots
 from planning.references import PathReference, straight
 
 

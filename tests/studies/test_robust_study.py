@@ -7,8 +7,15 @@ import pytest
 
 from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.robust_margins import PRIOR, Run, believed, drawn, drive, run_seeds
-from cartgrasp.studies.robust_margins_figures_of_merit import COLUMNS, LIMIT_TOLERANCE, as_dict, claims, laps, rows
-from cartgrasp.studies.robust_margins_plots import figure_robust_margins
+from cartgrasp.studies.robust_margins_report import (
+    COLUMNS,
+    LIMIT_TOLERANCE,
+    as_dict,
+    claims,
+    figure_robust_margins,
+    laps,
+    rows,
+)
 
 
 @pytest.fixture(scope="module")

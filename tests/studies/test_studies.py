@@ -10,7 +10,7 @@ from cartgrasp.studies.run_figures import RunFigures
 from cartgrasp.studies.scenario import FIRST_GUESS, LEARNING, PAPER
 from cartgrasp.studies.shopping_cart import scenario as demo_scenario
 from cartgrasp.studies.table1 import ROWS, RowResult, gain_curve, run_rows, scenario, trajectory
-from cartgrasp.studies.table1_figures_of_merit import merit, paper_claims, row_claims
+from cartgrasp.studies.table1_report import merit, paper_claims, row_claims
 from planning.references import PathReference
 
 

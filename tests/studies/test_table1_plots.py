@@ -9,7 +9,7 @@ import pytest
 
 from cartgrasp.studies.scenario import FIRST_GUESS, LEARNING
 from cartgrasp.studies.table1 import ROWS, RowResult, scenario
-from cartgrasp.studies.table1_plots import figure_table1, save_plots
+from cartgrasp.studies.table1_report import figure_table1, save_plots
 
 
 @pytest.fixture(scope="module")
