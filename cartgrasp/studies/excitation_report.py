@@ -6,7 +6,6 @@ from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -140,36 +139,29 @@ def _root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def draw_deviations(axes: Axes, drives: Sequence[Drive], parameter: str) -> list[Artist]:
+def draw_deviations(axes: Axes, drives: Sequence[Drive], parameter: str) -> None:
     """The filter's standard deviation of a parameter against time, a line for each way."""
-    artists: list[Artist] = []
     for i, drive in enumerate(drives):
-        style = {"color": OKABE_ITO[i], "linestyle": STYLES[i]}
-        artists += axes.semilogy(drive.time, drive.std(parameter), label=drive.way, **style)
+        axes.semilogy(drive.time, drive.std(parameter), STYLES[i], color=OKABE_ITO[i], label=drive.way)
     axes.set(xlabel="Time (s)", ylabel=f"sd of {LABELS[parameter]}")
-    return artists
 
 
-def draw_effort(axes: Axes, drives: Sequence[Drive]) -> list[Artist]:
+def draw_effort(axes: Axes, drives: Sequence[Drive]) -> None:
     """Effort paid up to each time, a line for each way."""
-    artists: list[Artist] = []
     for i, drive in enumerate(drives):
-        artists += axes.plot(drive.time, drive.effort, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
+        axes.plot(drive.time, drive.effort, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
     axes.set(xlabel="Time (s)", ylabel="Effort paid (N²·s)")
-    return artists
 
 
-def draw_paths(axes: Axes, drives: Sequence[Drive]) -> list[Artist]:
+def draw_paths(axes: Axes, drives: Sequence[Drive]) -> None:
     """How far the cart was driven off the undeviated reference, in its frame."""
     base = drives[0].records[0].reference_pose
-    artists: list[Artist] = []
     for i, drive in enumerate(drives):
         pose = drive.records[0].pose
         off = pose[:, :2] - base[:, :2]
         left = off[:, 1] * np.cos(base[:, 2]) - off[:, 0] * np.sin(base[:, 2])
-        artists += axes.plot(drive.time, 100.0 * left, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
+        axes.plot(drive.time, 100.0 * left, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
     axes.set(xlabel="Time (s)", ylabel="Left of the path (cm)")
-    return artists
 
 
 def figure_excitation(drives: Sequence[Drive]) -> Figure:

@@ -9,8 +9,9 @@ carried out, and the filter learns from it.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
+from functools import partial
 
 import numpy as np
 
@@ -22,11 +23,12 @@ from planning.tracking import build_tracker
 from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
+from ..first_guess import PHYSICAL_NAMES
 from ..floor_reaction import FloorReaction
 from ..frames import Array
 from ..inertia import Inertia, physical_from_phi
 from ..model import CartModel
-from ..motion import Estimate, Motion, Reference
+from ..motion import Estimate, Motion
 from ..simulation.plant import ModelPlant
 from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import run_all
@@ -35,16 +37,15 @@ from .shopping_cart import WHEELS
 NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"
 WAYS = (NOMINAL, ROBUST, CART_KNOWN)
 CONFIDENCE, MIN_MARGIN_LOAD, FRICTION = 0.99, 15.0, 0.5
+LIMIT_TOLERANCE = 0.1
+"""N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 CONTROL_PERIOD = 0.01
 PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
 SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
 FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0001)
 STRAIGHT_LAP = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
 CURVED_LAP = (
-    Stretch(0.4, 1.0, 3.0),
-    Stretch(0.4, 1.0, -3.0),
-    Stretch(0.2, -2.0, -3.0),
-    Stretch(0.2, -2.0, 3.0),
+    *(Stretch(0.4, 1.0, 3.0), Stretch(0.4, 1.0, -3.0), Stretch(0.2, -2.0, -3.0), Stretch(0.2, -2.0, 3.0)),
     *pause(0.2),
 )
 PATH = (*STRAIGHT_LAP, *STRAIGHT_LAP, *CURVED_LAP, *CURVED_LAP)
@@ -125,66 +126,60 @@ class Run:
         return np.array([tick.at_limit[0] or tick.at_limit[2] for tick in self.ticks])
 
 
-class Drive:
-    """The three planners, the plant and the filter of one seed."""
-
-    def __init__(self, seed: int) -> None:
-        self.truth, guess = drawn(seed), believed()
-        self._plant, self._sensors = ModelPlant(self.truth), Sensors(self.truth, SENSOR_NOISE, seed)
-        self._filter = CartFilter(guess, [arm.name for arm in arms()], noise=FILTER_NOISE, prior=PRIOR)
-        self._reference = PathReference(PATH, guess.rolling)
-        self._tracker = build_tracker(guess.constraints)
-        limits = (TipOver(MIN_MARGIN_LOAD), Skid(FRICTION))
-        self._planners = [
-            WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
-            for sure in (None, CONFIDENCE, None)
-        ]
-
-    def ticks(self, duration: float | None) -> Iterator[Tick]:
-        """The ticks to the end of the path, or for a duration, s."""
-        seconds = self._reference.duration if duration is None else duration
-        for _ in range(round(seconds / CONTROL_PERIOD)):
-            yield self._tick()
-
-    def _tick(self) -> Tick:
-        time, motion = self._plant.time, self._plant.motion
-        estimate = self._filter.update(self._sensors.motion(time, motion))
-        plans = self._answers(self._reference.at(time), estimate)
-        given = plans[1].contact_wrenches
-        self._filter.update(self._sensors.wrenches(time, given))
-        self._plant.step(given, CONTROL_PERIOD)
-        return Tick(
-            time=time,
-            statuses=tuple(plan.status for plan in plans),
-            efforts=np.array([effort_of(plan) for plan in plans]),
-            room=np.array([room(self.truth, motion, plan) for plan in plans]),
-            at_limit=tuple(any("skid" in name or "wheel" in name for name in plan.active) for plan in plans),
-            reserve=reserve(plans[1]),
-            std=np.array([estimate.parameters[name].std for name in ("mass", "com_x", "com_y", "inertia")]),
-        )
-
-    def _answers(self, reference: Reference, estimate: Estimate) -> list[Plan]:
-        wanted = self._tracker.wrench_b(reference, estimate.motion, estimate.cart())
-        known = Estimate(estimate.time, estimate.motion, {}, "", self.truth, self.truth.parameters)
+def drive(seed: int, duration: float | None = None) -> Run:
+    """One run, whole or of a duration (s): the plant, the filter and the three planners of a seed."""
+    truth, guess = drawn(seed), believed()
+    plant, sensors = ModelPlant(truth), Sensors(truth, SENSOR_NOISE, seed)
+    learner = CartFilter(guess, [arm.name for arm in arms()], noise=FILTER_NOISE, prior=PRIOR)
+    reference, tracker = PathReference(PATH, guess.rolling), build_tracker(guess.constraints)
+    limits = (TipOver(MIN_MARGIN_LOAD), Skid(FRICTION))
+    planners = [
+        WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
+        for sure in (None, CONFIDENCE, None)
+    ]
+    ticks = []
+    for _ in range(round((reference.duration if duration is None else duration) / CONTROL_PERIOD)):
+        time, motion = plant.time, plant.motion
+        estimate = learner.update(sensors.motion(time, motion))
+        wanted = tracker.wrench_b(reference.at(time), estimate.motion, estimate.cart())
+        known = Estimate(estimate.time, estimate.motion, {}, "", truth, truth.parameters)
         told = (estimate, estimate, known)
-        return [p.plan_or_hold(wanted, estimate=e) for p, e in zip(self._planners, told, strict=True)]
+        plans = [p.plan_or_hold(wanted, estimate=e) for p, e in zip(planners, told, strict=True)]
+        given = plans[1].contact_wrenches
+        learner.update(sensors.wrenches(time, given))
+        plant.step(given, CONTROL_PERIOD)
+        ticks.append(_tick(truth, motion, plans, estimate))
+    return Run(seed, tuple(ticks))
 
 
-def effort_of(plan: Plan) -> float:
-    """The effort of the wrenches that a plan gives, N²."""
-    weights = {arm.name: np.array(arm.weights) for arm in arms()}
-    return float(sum(w**2 @ weights[arm] for arm, w in plan.contact_wrenches.wrenches.items()))
+def _tick(truth: CartModel, motion: Motion, plans: Sequence[Plan], estimate: Estimate) -> Tick:
+    given = [plan.contact_wrenches for plan in plans]
+    return Tick(
+        time=estimate.time,
+        statuses=tuple(plan.status for plan in plans),
+        efforts=np.array([effort_of(one.wrenches) for one in given]),
+        room=np.array([room(truth, motion, one.spatial_wrench_b, MIN_MARGIN_LOAD) for one in given]),
+        at_limit=tuple(any("skid" in name or "wheel" in name for name in plan.active) for plan in plans),
+        reserve=_reserve(plans[1]),
+        std=np.array([estimate.parameters[name].std for name in PHYSICAL_NAMES]),
+    )
 
 
-def room(truth: CartModel, motion: Motion, plan: Plan) -> float:
-    """How far the true cart is inside the limits when it is pushed so, N."""
-    floor, spatial = FloorReaction.of(truth, motion), plan.contact_wrenches.spatial_wrench_b
-    loads = floor.loads(spatial)
-    skid = FRICTION * loads[:2].sum() - abs(float(floor.lateral(spatial)))
-    return float(min(loads.min() - MIN_MARGIN_LOAD, skid))
+def effort_of(wrenches: Mapping[str, Array]) -> float:
+    """The effort of wrenches, N², with the weights that arms usually have."""
+    weights = np.array(arms()[0].weights)
+    return float(sum(w**2 @ weights for w in wrenches.values()))
 
 
-def reserve(plan: Plan) -> float:
+def room(truth: CartModel, motion: Motion, wrench_b: Array, least_load: float) -> float:
+    """How far a cart is inside its limits under a spatial wrench (6,), N: skid, and a least load (N) on each wheel."""
+    floor = FloorReaction.of(truth, motion)
+    loads = floor.loads(wrench_b)
+    skid = FRICTION * loads[~truth.wheel_set.is_caster].sum() - abs(float(floor.lateral(wrench_b)))
+    return float(min(loads.min() - least_load, skid))
+
+
+def _reserve(plan: Plan) -> float:
     """The largest margin of a plan, N; 0 without any."""
     if plan.proof is None:
         return 0.0
@@ -193,11 +188,5 @@ def reserve(plan: Plan) -> float:
     return max(lengths, default=0.0)
 
 
-def drive(seed: int, duration: float | None = None) -> Run:
-    """One run, whole or of a duration (s)."""
-    return Run(seed, tuple(Drive(seed).ticks(duration)))
-
-
-def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Run]:
-    """A run for each seed, over `workers` processes."""
-    return run_all(drive, seeds, workers, progress)
+run_seeds = partial(run_all, drive)
+"""A run for each seed."""

@@ -8,7 +8,6 @@ from itertools import pairwise
 from pathlib import Path
 
 import numpy as np
-from matplotlib.artist import Artist
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
@@ -16,11 +15,9 @@ from ..frames import Array
 from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
-from .robust_margins import CONFIDENCE, LAP_TIMES, WAYS, Run
+from .robust_margins import CONFIDENCE, LAP_TIMES, LIMIT_TOLERANCE, WAYS, Run
 
 COLUMNS = ("lap", "sd of CoM x cm", "largest margin N", *(f"broken, {way} %" for way in WAYS[:2]), "effort", "paid")
-LIMIT_TOLERANCE = 0.1
-"""N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 STYLES = ("--", "-", ":")
 
 
@@ -113,37 +110,32 @@ def _lap(runs: Sequence[Run], begin: float, end: float) -> Lap:
     )
 
 
-def draw_reserve(axes: Axes, runs: Sequence[Run]) -> list[Artist]:
+def draw_reserve(axes: Axes, runs: Sequence[Run]) -> None:
     """The largest margin of the plans against time: each run, and the mean."""
-    artists: list[Artist] = []
     for run in runs:
-        artists += axes.plot(run.time, run.reserve, color=OKABE_ITO[1], linewidth=0.5, alpha=0.4)
+        axes.plot(run.time, run.reserve, color=OKABE_ITO[1], linewidth=0.5, alpha=0.4)
     mean = np.mean([run.reserve for run in runs], axis=0)
-    artists += axes.plot(runs[0].time, mean, color=OKABE_ITO[1], label=WAYS[1])
+    axes.plot(runs[0].time, mean, color=OKABE_ITO[1], label=WAYS[1])
     axes.set(xlabel="Time (s)", ylabel="Largest margin (N)")
-    return artists
 
 
-def draw_room(axes: Axes, runs: Sequence[Run]) -> list[Artist]:
+def draw_room(axes: Axes, runs: Sequence[Run]) -> None:
     """How far the true carts are inside their limits: of each way the mean, and the range over runs."""
-    artists: list[Artist] = [axes.axhline(0.0, color="0.3", linewidth=0.8)]
+    axes.axhline(0.0, color="0.3", linewidth=0.8)
     time, room = runs[0].time, np.array([run.room for run in runs])
     for i, way in enumerate(WAYS[:2]):
         low, high = room[..., i].min(axis=0), room[..., i].max(axis=0)
-        artists.append(axes.fill_between(time, low, high, color=OKABE_ITO[i], alpha=0.25, linewidth=0.0))
-        artists += axes.plot(time, room[..., i].mean(axis=0), STYLES[i], color=OKABE_ITO[i], label=way)
+        axes.fill_between(time, low, high, color=OKABE_ITO[i], alpha=0.25, linewidth=0.0)
+        axes.plot(time, room[..., i].mean(axis=0), STYLES[i], color=OKABE_ITO[i], label=way)
     axes.set(xlabel="Time (s)", ylabel="True load above its limit (N)")
-    return artists
 
 
-def draw_effort(axes: Axes, runs: Sequence[Run]) -> list[Artist]:
+def draw_effort(axes: Axes, runs: Sequence[Run]) -> None:
     """Effort of each way against time, mean over runs."""
-    artists: list[Artist] = []
     efforts = np.mean([run.efforts for run in runs], axis=0)
     for i, way in enumerate(WAYS):
-        artists += axes.plot(runs[0].time, efforts[:, i], STYLES[i], color=OKABE_ITO[i], label=way)
+        axes.plot(runs[0].time, efforts[:, i], STYLES[i], color=OKABE_ITO[i], label=way)
     axes.set(xlabel="Time (s)", ylabel="Effort (N²)")
-    return artists
 
 
 def figure_robust_margins(runs: Sequence[Run]) -> Figure:

@@ -12,7 +12,6 @@ from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import inf
-from typing import Any
 
 import numpy as np
 
@@ -25,17 +24,17 @@ from ..constraints import RollingConstraints
 from ..contacts import ContactWrenches
 from ..effects import RollingResistance, ViscousDrag
 from ..errors import PlantError, UsageError
-from ..first_guess import FirstGuess
-from ..floor_reaction import FloorReaction
+from ..first_guess import PHYSICAL_NAMES, FirstGuess
 from ..frames import Array
 from ..inertia import Inertia
 from ..model import CartModel
 from ..motion import Motion
 from ..simulation.closed_loop import Loop, run
 from ..simulation.mujoco_plant import MujocoPlant
-from ..simulation.sensors import SensorNoise, Sensors
+from ..simulation.sensors import Sensors
 from ..wheels import CASTER, FIXED, Wheel
 from .parallel import run_all
+from .robust_margins import CONFIDENCE, FRICTION, LIMIT_TOLERANCE, SENSOR_NOISE, effort_of, room
 from .scenario import FIRST_GUESS, LEARNING, Scenario
 
 BLIND, GUESSED, ESTIMATED, CONFIDENT, TRUTH_KNOWN = (
@@ -48,12 +47,10 @@ GUESS_STD_FACTORS = {GUESS_STD_TWICE: 2.0, GUESS_STD_THRICE: 3.0}
 """As wide deviations of the first guess, with which margins give way, and a cautious controller slows down."""
 MAX_ARRIVAL_DELAY = 10.0
 """s that such a cart may be late."""
-CONFIDENCE, MIN_WHEEL_LOAD, FLOOR_FRICTION = 0.99, 5.0, 0.5
-LIMITS = (TipOver(MIN_WHEEL_LOAD), Skid(FLOOR_FRICTION))
+MIN_WHEEL_LOAD = 5.0
+LIMITS = (TipOver(MIN_WHEEL_LOAD), Skid(FRICTION))
 DISTURBANCE = 0.5
 """N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
-LIMIT_TOLERANCE = 0.1
-"""N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 WHEELS = (
     *(Wheel(FIXED, 0.0, y) for y in (0.3, -0.3)),
     *(Wheel(CASTER, 0.72, y, trail=0.045) for y in (0.28, -0.28)),
@@ -90,7 +87,7 @@ def drawn(seed: int, times: float = 1.0) -> tuple[CartModel, CartModel]:
             break
         except UsageError:
             continue
-    told = tuple(zip(("mass", "com_x", "com_y", "inertia"), std.tolist(), strict=True))
+    told = tuple(zip(PHYSICAL_NAMES, std.tolist(), strict=True))
     return truth, replace(guess, first_guess=FirstGuess(told))
 
 
@@ -145,20 +142,11 @@ class WatchedPlant:
         return self._plant.motion
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
-        weights = np.array(arms()[0].weights)
-        self.room.append(room(self._truth, self.motion, wrenches.spatial_wrench_b))
-        self.efforts.append(sum(float(weights @ one**2) for one in wrenches.wrenches.values()))
+        self.room.append(room(self._truth, self.motion, wrenches.spatial_wrench_b, MIN_WHEEL_LOAD))
+        self.efforts.append(effort_of(wrenches.wrenches))
         self.motions.append(self.motion)
         self._plant.step(wrenches, duration)
         self.loads.append(float(self._plant.wheel_loads().min()))
-
-
-def room(truth: CartModel, motion: Motion, wrench_b: Array) -> float:
-    """How far the cart is inside its limits under a spatial wrench (6,), N."""
-    floor = FloorReaction.of(truth, motion)
-    loads = floor.loads(wrench_b)
-    skid = FLOOR_FRICTION * loads[~truth.wheel_set.is_caster].sum() - abs(float(floor.lateral(wrench_b)))
-    return float(min(loads.min() - MIN_WHEEL_LOAD, skid))
 
 
 def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenario:
@@ -167,7 +155,7 @@ def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenari
         guess=replace(truth, first_guess=guess.first_guess) if way == TRUTH_KNOWN else guess,
         arms=arms(),
         stretches=PATH,
-        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05),
+        sensors=SENSOR_NOISE,
         noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=DISTURBANCE, slip=0.0005),
         known=frozenset({"viscous_drag", "rolling_resistance"}),
         estimation=FIRST_GUESS if way in (GUESSED, TRUTH_KNOWN) else LEARNING,
@@ -175,25 +163,23 @@ def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenari
     )
 
 
-def drive(seed: int, way: str, duration: float | None = None) -> Run:
-    """One run, whole or of a duration (s)."""
+def drive(seed: int, way: str) -> Run:
+    """One run."""
     truth, guess = drawn(seed, GUESS_STD_FACTORS.get(way, 1.0))
     made = scenario(truth, guess, way, seed)
     sure = CONFIDENCE if way in (CONFIDENT, *GUESS_STD_FACTORS) else None
-    limits: dict[str, Any] = {"cart_limits": () if way == BLIND else LIMITS, "confidence": sure}
-    limits |= {"caution": Caution() if way in GUESS_STD_FACTORS else None}
     plant, end = WatchedPlant(truth), PathReference(PATH)
-    controller = made.controller(**limits)
+    wait = MAX_ARRIVAL_DELAY if way in GUESS_STD_FACTORS else ARRIVAL_WAIT
+    controller = made.controller(
+        cart_limits=() if way == BLIND else LIMITS,
+        confidence=sure,
+        caution=Caution() if way in GUESS_STD_FACTORS else None,
+    )
     controller.warm_up()
     loop = Loop(controller, plant, Sensors(truth, made.sensors, seed))
     fell = False
     try:
-        run(
-            loop,
-            end.duration + (MAX_ARRIVAL_DELAY if way in GUESS_STD_FACTORS else ARRIVAL_WAIT)
-            if duration is None
-            else duration,
-        )
+        run(loop, end.duration + wait)
     except PlantError:
         fell = True
     goal, period = end.at(end.duration).pose_sb[:2], made.period

@@ -11,7 +11,8 @@ from matplotlib.figure import Figure
 
 from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
-from .safety import BLIND, CONFIDENCE, CONFIDENT, ESTIMATED, LIMIT_TOLERANCE, MIN_WHEEL_LOAD, TRUTH_KNOWN, WAYS, Run
+from .robust_margins import CONFIDENCE, LIMIT_TOLERANCE
+from .safety import BLIND, CONFIDENT, ESTIMATED, MIN_WHEEL_LOAD, TRUTH_KNOWN, WAYS, Run
 
 TITLE = (
     f"Drawn carts that break a true limit ({MIN_WHEEL_LOAD:g} N on each wheel, or skid) "

@@ -13,19 +13,17 @@ from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 from matplotlib.lines import Line2D
 
+from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..simulation.record import RunRecord
 from ..view.figures import save_figure
 from ..view.plots import BLACK, OKABE_ITO, YELLOW, house_style
 from .claims import Claim
 from .scenario import FIRST_GUESS, LEARNING, PAPER
-from .table1 import MASS_STEPS, TRUE_MASS, Row, RowResult
+from .table1 import ESTIMATION_MODES, MASS_STEPS, Row, RowResult
 
-SETTLED_ERROR = 0.03
-CURVED_TRAJECTORY = 2
-HIGH_NOISE = 0.05
-LOW_NOISE = 0.005
-MIN_ACCELERATION = 0.1
+SETTLED_ERROR, MIN_ACCELERATION = 0.03, 0.1
+CURVED_TRAJECTORY, LOW_NOISE, HIGH_NOISE = 2, 0.005, 0.05
 LINES = ("-", "--", ":")
 TRUTH_STYLE: dict[str, Any] = {"color": "black", "linewidth": 0.8, "linestyle": (0, (1, 1))}
 LOG_SCALE_OFFSET = 1e-3
@@ -39,7 +37,6 @@ class Merit:
 
     mass_error_10: float
     mass_error_30: float
-    settled: float
     error_after_5: float
     com_error_30: float
     inertia_error_30: float
@@ -51,21 +48,15 @@ class Merit:
 def merit(record: RunRecord, row: Row) -> Merit:
     """The figures of a run with estimation."""
     time, error = record.time, record.tracking_error
-    late = np.flatnonzero(error > SETTLED_ERROR)
-    mass, com_x, com_y = (record.parameters[n] for n in ("mass", "com_x", "com_y"))
-    truth = {n: _truth(record, n) for n in ("mass", "com_x", "com_y", "inertia")}
-    relative = np.abs(mass.value / truth["mass"] - 1)
-    inertia = np.abs(record.parameters["inertia"].value / truth["inertia"] - 1)
-    com = np.hypot(com_x.value - truth["com_x"], com_y.value - truth["com_y"])
-    z = [abs(record.parameters[n].value[-1] - truth[n][-1]) / record.parameters[n].std[-1] for n in truth]
+    relative = _share_off(record, "mass")
+    last = [(record.parameters[n], _truth(record, n)[-1]) for n in PHYSICAL_NAMES]
     return Merit(
         mass_error_10=float(relative[np.searchsorted(time, 10.0 - 1e-6)]),
         mass_error_30=float(relative[-1]),
-        settled=float(time[late[-1]]) if len(late) else 0.0,
         error_after_5=float(error[time >= 5.0].max()),
-        com_error_30=float(com[-1]),
-        inertia_error_30=float(inertia[-1]),
-        largest_z=float(max(z)),
+        com_error_30=float(_com_off(record)[-1]),
+        inertia_error_30=float(_share_off(record, "inertia")[-1]),
+        largest_z=float(max(abs(one.value[-1] - true) / one.std[-1] for one, true in last)),
         identifiable=dict(record.identifiable),
         recovery=tuple(_recovery(record, relative, i) for i in range(len(MASS_STEPS))) if row.mass_steps else (),
     )
@@ -127,20 +118,16 @@ def paper_claims(results: list[RowResult], curve: list[tuple[float, float]]) -> 
     return claims
 
 
-def comparison(result: RowResult) -> tuple[str, str, str]:
+def comparison(result: RowResult) -> tuple[str, ...]:
     """Largest tracking error from 5 s on: with estimation, with the first guess kept, with the literal filter."""
-    cells = []
-    for mode in (LEARNING, FIRST_GUESS, PAPER):
-        record = result.runs[mode]
-        cells.append(_length(float(record.tracking_error[record.time >= 5.0].max())))
-    return cells[0], cells[1], cells[2]
+    records = [result.runs[mode] for mode in ESTIMATION_MODES]
+    return tuple(_length(float(record.tracking_error[record.time >= 5.0].max())) for record in records)
 
 
 def _literal_claim(result: RowResult) -> Claim:
     record = result.runs[PAPER]
     mass, com = record.parameters["mass"].value[-1], record.parameters["com_x"].value[-1]
-    right = abs(mass / _truth(record, "mass")[-1] - 1) <= 0.05
-    right = bool(right and abs(com - _truth(record, "com_x")[-1]) <= 0.02)
+    right = bool(_share_off(record, "mass")[-1] <= 0.05 and abs(com - _truth(record, "com_x")[-1]) <= 0.02)
     figure = f"mass {mass:.3g} kg, com_x {com:.3g} m"
     name = f"test {result.row.test}"
     return Claim(name, "the literal filter finds mass (5 %) and com_x (2 cm)", figure, right, promised=False)
@@ -164,7 +151,19 @@ def _recovery(record: RunRecord, relative: Array, step: int) -> float:
 
 def _truth(record: RunRecord, name: str) -> Array:
     truth = record.parameters[name].truth
-    return np.full(len(record.time), TRUE_MASS) if truth is None else truth
+    assert truth is not None, "a simulated cart's parameters are known"
+    return truth
+
+
+def _share_off(record: RunRecord, name: str) -> Array:
+    """Errors of a parameter over time, by the true value."""
+    return np.asarray(np.abs(record.parameters[name].value / _truth(record, name) - 1))
+
+
+def _com_off(record: RunRecord) -> Array:
+    """Distance of the estimated CoM from the true one over time, m."""
+    x, y = (record.parameters[name].value - _truth(record, name) for name in ("com_x", "com_y"))
+    return np.hypot(x, y)
 
 
 def _below(name: str, what: str, figure: float, limit: float, unit: str, promised: bool = True) -> Claim:
@@ -181,12 +180,8 @@ def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]
     save_figure(figure_table1(results), out / "table1.png")
     with house_style():
         save_figure(_tracking(results), out / "tracking_error.png")
-        for name, label in (
-            ("mass", "Mass (kg)"),
-            ("com_x", "CoM x (m)"),
-            ("com_y", "CoM y (m)"),
-            ("inertia", "Inertia (kg·m²)"),
-        ):
+        labels = ("Mass (kg)", "CoM x (m)", "CoM y (m)", "Inertia (kg·m²)")
+        for name, label in zip(PHYSICAL_NAMES, labels, strict=True):
             save_figure(_parameter(results, name, label), out / f"{name}.png")
         if curve:
             save_figure(_gains(curve), out / "gains.png")
@@ -194,8 +189,10 @@ def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]
 
 def figure_table1(results: Sequence[RowResult]) -> Figure:
     """A page: tracking as in Fig. 4, mass as in Fig. 5 and 6, and CoM and inertia where the path has curves."""
-    low_noise = [result for result in results if _is_calm(result)]
-    others = [result for result in results if not _is_calm(result)]
+    low_noise, others = [], []
+    for result in results:
+        is_calm = result.row.noise <= LOW_NOISE and not result.row.mass_steps
+        (low_noise if is_calm else others).append(result)
     curves = [result for result in results if result.row.trajectory == CURVED_TRAJECTORY]
     with house_style():
         figure = Figure(figsize=(7.2, 6.6), layout="constrained")
@@ -210,11 +207,7 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         learning.set(title="Estimating", ylabel="Tracking error (cm)")
         kept.set(title="First guess kept", ylabel="Tracking error (cm)")
         mass.set(title="0.005 m of noise", ylabel="Mass error (%)", ylim=(1e-2, 1e2))
-        rough.set(
-            title="More noise (9, 10), load changes (11); ± one sd",
-            ylabel="Mass (kg)",
-            ylim=(8.0, 32.0),
-        )
+        rough.set(title="More noise (9, 10), load changes (11); ± one sd", ylabel="Mass (kg)", ylim=(8.0, 32.0))
         com.set(title="Tests with curves", ylabel="CoM's distance from truth (cm)", xlabel="Time (s)", ylim=(1e-2, 1e2))
         inertia.set(title="Tests with curves", ylabel="Inertia (kg·m²)", xlabel="Time (s)", ylim=(0.0, 5.0))
         handles = [Line2D([], [], **_style(result), label=str(result.row.test)) for result in results]
@@ -241,18 +234,14 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
         if deviations:
             low, high = series.value - series.std, series.value + series.std
             axes.fill_between(record.time, low, high, color=style["color"], alpha=0.15, linewidth=0)
-        if series.truth is not None:
-            axes.plot(record.time, series.truth, **TRUTH_STYLE)
+        axes.plot(record.time, _truth(record, name), **TRUTH_STYLE)
 
 
 def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
     """Draws the relative error of the mass in %, with the 5 % that count as converged."""
     for result in results:
         record = result.runs[LEARNING]
-        mass = record.parameters["mass"]
-        if mass.truth is not None:
-            error = np.abs(mass.value / mass.truth - 1)
-            axes.semilogy(record.time, 100 * error + LOG_SCALE_OFFSET, **_style(result))
+        axes.semilogy(record.time, 100 * _share_off(record, "mass") + LOG_SCALE_OFFSET, **_style(result))
     axes.axhline(5.0, color="0.5", linewidth=0.8)
 
 
@@ -260,10 +249,7 @@ def draw_com_error(axes: Axes, results: Sequence[RowResult]) -> None:
     """Distance between the estimated and the true centre of mass in cm."""
     for result in results:
         record = result.runs[LEARNING]
-        x, y = record.parameters["com_x"], record.parameters["com_y"]
-        if x.truth is not None and y.truth is not None:
-            distance = np.hypot(x.value - x.truth, y.value - y.truth)
-            axes.semilogy(record.time, 100 * distance + LOG_SCALE_OFFSET, **_style(result))
+        axes.semilogy(record.time, 100 * _com_off(record) + LOG_SCALE_OFFSET, **_style(result))
 
 
 def _figure(rows: int = 1) -> Figure:
@@ -272,12 +258,8 @@ def _figure(rows: int = 1) -> Figure:
 
 def _tracking(results: Sequence[RowResult]) -> Figure:
     figure = _figure(2)
-    for axes, mode, title in zip(
-        figure.subplots(2, 1, sharex=True),
-        (LEARNING, FIRST_GUESS),
-        ("With estimation", "First guess kept"),
-        strict=True,
-    ):
+    titles = {LEARNING: "With estimation", FIRST_GUESS: "First guess kept"}
+    for axes, (mode, title) in zip(figure.subplots(2, 1, sharex=True), titles.items(), strict=True):
         draw_tracking(axes, results, mode)
         axes.set(ylabel="Tracking error (cm)", title=title)
     axes.set_xlabel("Time (s)")
@@ -290,12 +272,10 @@ def _parameter(results: Sequence[RowResult], name: str, label: str) -> Figure:
     figure = _figure()
     axes = figure.subplots()
     for result in results:
-        record: RunRecord = result.runs[LEARNING]
+        record, style = result.runs[LEARNING], _style(result)
         series = record.parameters[name]
-        style = _style(result)
         axes.plot(record.time, series.value, **style, label=str(result.row.test))
-        if series.truth is not None:
-            axes.plot(record.time, series.truth, color=style["color"], linewidth=0.6, alpha=0.6)
+        axes.plot(record.time, _truth(record, name), color=style["color"], linewidth=0.6, alpha=0.6)
     values = [result.runs[LEARNING].parameters[name] for result in results]
     low = min(float(s.value[100:].min()) for s in values)
     high = max(float(s.value[100:].max()) for s in values)
@@ -313,10 +293,6 @@ def _gains(curve: Sequence[tuple[float, float]]) -> Figure:
     axes.set(xlabel="Scale of all gains (1)", ylabel="Largest tracking error (cm)")
     axes.set_title("Test 1 without estimation: 4 kg of error")
     return figure
-
-
-def _is_calm(result: RowResult) -> bool:
-    return result.row.noise <= LOW_NOISE and not result.row.mass_steps
 
 
 def _style(result: RowResult) -> dict[str, Any]:

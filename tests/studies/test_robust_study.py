@@ -6,10 +6,9 @@ import numpy as np
 import pytest
 
 from cartgrasp.studies.claims import all_kept
-from cartgrasp.studies.robust_margins import PRIOR, Run, believed, drawn, drive, run_seeds
+from cartgrasp.studies.robust_margins import LIMIT_TOLERANCE, PRIOR, Run, believed, drawn, drive, run_seeds
 from cartgrasp.studies.robust_margins_report import (
     COLUMNS,
-    LIMIT_TOLERANCE,
     as_dict,
     claims,
     figure_robust_margins,
