@@ -12,10 +12,9 @@ import numpy as np
 from cartgrasp import Arm, CartModel, Inertia
 from cartgrasp.effects import RollingResistance, ViscousDrag
 from cartgrasp.simulation.sensors import SensorNoise
-from cartgrasp.studies.campaigns.campaign import run_campaign
+from cartgrasp.studies.campaigns.campaign import Results, run_campaign
 from cartgrasp.studies.campaigns.closed_loop import ClosedLoopStudy
 from cartgrasp.studies.campaigns.drawing import Drawn
-from cartgrasp.studies.campaigns.results import Results
 from cartgrasp.studies.campaigns.workers import over_cores
 from cartgrasp.studies.compiled_loop.loop import compiled_run, covers
 from cartgrasp.studies.scenario import Scenario

@@ -7,9 +7,8 @@ from pathlib import Path
 from typing import Any
 
 from ..strict_json import finite
-from ..studies.campaigns.campaign import run_campaign
+from ..studies.campaigns.campaign import Results, run_campaign
 from ..studies.campaigns.closed_loop import ClosedLoopStudy
-from ..studies.campaigns.results import Results
 from ..studies.campaigns.study_file import read_study
 from ..studies.campaigns.summary import (
     LOG_COLUMNS,

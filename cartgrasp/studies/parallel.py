@@ -2,8 +2,9 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Sequence
+from collections.abc import Callable, Sequence
 from concurrent.futures import ProcessPoolExecutor
+from contextlib import ExitStack
 from typing import TypeVar
 
 Job = TypeVar("Job")
@@ -18,16 +19,10 @@ def run_all(
 ) -> list[Result]:
     """`run` of each job, in their order, over `workers` processes (1: in this one); `progress` is told the share."""
     results = []
-    for result in _mapped(run, jobs, workers):
-        results.append(result)
-        if progress is not None:
-            progress(len(results) / len(jobs))
+    with ExitStack() as stack:
+        mapped = map if workers == 1 else stack.enter_context(ProcessPoolExecutor(workers)).map
+        for result in mapped(run, jobs):
+            results.append(result)
+            if progress is not None:
+                progress(len(results) / len(jobs))
     return results
-
-
-def _mapped(run: Callable[[Job], Result], jobs: Sequence[Job], workers: int) -> Iterator[Result]:
-    if workers == 1:
-        yield from map(run, jobs)
-        return
-    with ProcessPoolExecutor(workers) as pool:
-        yield from pool.map(run, jobs)

@@ -19,10 +19,9 @@ from cartgrasp.cart_file import cart_from_text
 from cartgrasp.errors import CartgraspError, UsageError
 from cartgrasp.inertia import physical_from_phi
 from cartgrasp.studies.campaigns import job, workers
-from cartgrasp.studies.campaigns.campaign import run_campaign
+from cartgrasp.studies.campaigns.campaign import Results, run_campaign
 from cartgrasp.studies.campaigns.drawing import Drawn, drawn_values, with_values
 from cartgrasp.studies.campaigns.logs import digest
-from cartgrasp.studies.campaigns.results import Results
 from cartgrasp.studies.campaigns.study_file import read_study
 from cartgrasp.studies.campaigns.summary import ParameterSummary, RunsSummary
 from cartgrasp.studies.campaigns.workers import here, on_cluster, over_cores
@@ -229,8 +228,7 @@ def test_a_campaign_killed_at_any_moment_goes_on(tmp_path):
     """kill -9 while results are written: what is there is whole, and in the end all is as if nothing had been."""
     program = (
         "import sys; from pathlib import Path\n"
-        "from cartgrasp.studies.campaigns.campaign import run_campaign\n"
-        "from cartgrasp.studies.campaigns.results import Results\n"
+        "from cartgrasp.studies.campaigns.campaign import Results, run_campaign\n"
         "from cartgrasp.studies.campaigns.workers import here\n"
         "from tests.studies.campaign_jobs import Squares\n"
         "run_campaign(Squares(400), Results.under(Path(sys.argv[1])), here)\n"

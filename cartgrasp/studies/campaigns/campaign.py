@@ -2,12 +2,52 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable
+import json
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from pathlib import Path
 from typing import Any
 
-from .job import Study
-from .results import Results
+from ...errors import FileError, Place
+from ...writing import write_atomically
+from .job import JobResult, Study
 from .workers import Workers
+
+
+@dataclass(frozen=True)
+class Results:
+    """`FOLDER/KEY.json` of each job, written aside and renamed, so that what is there is whole."""
+
+    folder: Path
+
+    @classmethod
+    def under(cls, out: Path) -> Results:
+        folder = out / "results"
+        try:
+            folder.mkdir(parents=True, exist_ok=True)
+        except OSError as error:
+            raise FileError(Place(str(folder)), "", f"can't be made: {error.strerror}; name another folder") from error
+        return cls(folder)
+
+    def has(self, key: str) -> bool:
+        return self._path(key).is_file()
+
+    def keep(self, done: JobResult) -> Path:
+        return write_atomically(self._path(done.key), done.text)
+
+    def read(self, keys: Iterable[str]) -> list[dict[str, Any]]:
+        """The results of these jobs, in their order."""
+        return [self._read(self._path(key)) for key in keys]
+
+    def _read(self, path: Path) -> dict[str, Any]:
+        try:
+            found = json.loads(path.read_text(encoding="utf-8"))
+        except (OSError, ValueError) as error:
+            raise FileError(Place(str(path)), "", f"is no result ({error}); remove it and run again") from error
+        return dict(found)
+
+    def _path(self, key: str) -> Path:
+        return self.folder / f"{key}.json"
 
 
 def run_campaign(

@@ -8,10 +8,10 @@ from dataclasses import dataclass
 import numpy as np
 
 from ...errors import CartgraspError, UsageError
+from ...first_guess import PHYSICAL_NAMES
 from ...inertia import N_PHI, Inertia, physical_from_phi
 from ...model import CartModel
 
-PHYSICAL = ("mass", "com_x", "com_y", "inertia")
 UNIFORM, NORMAL = "uniform", "normal"
 MAX_DRAWS = 1000
 
@@ -37,7 +37,7 @@ class Drawn:
 
 
 def parameter_names(cart: CartModel) -> tuple[str, ...]:
-    return PHYSICAL + cart.parameter_names[N_PHI:]
+    return PHYSICAL_NAMES + cart.parameter_names[N_PHI:]
 
 
 def drawn_values(drawn: Sequence[Drawn], cart: CartModel, random: np.random.Generator) -> dict[str, float]:
@@ -51,15 +51,11 @@ def drawn_values(drawn: Sequence[Drawn], cart: CartModel, random: np.random.Gene
 
 def with_values(cart: CartModel, values: dict[str, float]) -> CartModel:
     """The cart with these parameters."""
-    physical = dict(zip(PHYSICAL, physical_from_phi(cart.inertia.phi).tolist(), strict=True))
-    physical |= {name: value for name, value in values.items() if name in PHYSICAL}
-    inertia = Inertia(physical["mass"], (physical["com_x"], physical["com_y"]), physical["inertia"])
-    numbers = cart.parameters.copy()
-    names = parameter_names(cart)
-    for name, value in values.items():
-        if name not in PHYSICAL:
-            numbers[names.index(name)] = value
-    return cart.with_parameters(np.concatenate([inertia.phi, numbers[N_PHI:]]))
+    own = [*physical_from_phi(cart.inertia.phi).tolist(), *cart.parameters[N_PHI:].tolist()]
+    told = [values.get(name, value) for name, value in zip(parameter_names(cart), own, strict=True)]
+    mass, com_x, com_y, about_com = told[: len(PHYSICAL_NAMES)]
+    inertia = Inertia(mass, (com_x, com_y), about_com)
+    return cart.with_parameters(np.concatenate([inertia.phi, told[len(PHYSICAL_NAMES) :]]))
 
 
 def _is_cart(cart: CartModel, values: dict[str, float]) -> bool:

@@ -8,7 +8,6 @@ from dataclasses import dataclass, field
 from pathlib import Path
 from typing import Any
 
-from estimation import CartFilter, PaperFilter, RegressorEstimator
 from estimation.discrepancy import diagnose
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.whole_log.coasting import prior_of, with_known_wrench
@@ -18,14 +17,10 @@ from estimation.whole_log.replay import replay
 from ...errors import DataError
 from ...logs import RunLog, is_bag_name, read_log
 from ...model import CartModel
+from ..estimators import ONLINE_ESTIMATORS
 from .job import Job
 
-METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
-    "filter": CartFilter,
-    "regressor": RegressorEstimator,
-    "paper": PaperFilter,
-}
-ESTIMATE, IDENTIFY, DISCREPANCY = "estimate", "identify", "discrepancy"
+ESTIMATE, IDENTIFY = "estimate", "identify"
 
 
 @dataclass(frozen=True)
@@ -64,17 +59,18 @@ class LogJob(Job):
     def run(self) -> dict[str, Any]:
         log, cart = read_log(self.path, self.study.topics), self.study.cart
         if self.study.do == ESTIMATE:
-            return {"log": self.path.name, **_estimated(log, cart, self.study.method)}
-        if self.study.do == IDENTIFY:
-            found = identify([log], cart)
-            return {"log": self.path.name, **found.as_dict()}
-        return {"log": self.path.name, **diagnose([log], cart).report.as_dict()}
+            told = _estimated(log, cart, self.study.method)
+        elif self.study.do == IDENTIFY:
+            told = identify([log], cart).as_dict()
+        else:
+            told = diagnose([log], cart).report.as_dict()
+        return {"log": self.path.name, **told}
 
 
 def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
     thinned = with_known_wrench(log.thinned())
     noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
-    estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
+    estimator = ONLINE_ESTIMATORS[method](cart, list(thinned.arms), noise=noise, prior=prior)
     return replay(thinned, estimator, until=float(log.time[-1])).as_dict()
 
 

@@ -119,10 +119,6 @@ class LogsSummary:
     @classmethod
     def of(cls, results: Sequence[Mapping[str, Any]], names: Sequence[str]) -> LogsSummary:
         logs = tuple({"log": name, **_told(one)} for name, one in zip(names, results, strict=True))
-        found: dict[str, list[Mapping[str, Any]]] = {}
-        for one in results:
-            for name, parameter in one.get("parameters", {}).items():
-                found.setdefault(name, []).append(parameter)
         parameters = {
             name: {
                 "unit": each[0]["unit"],
@@ -131,7 +127,7 @@ class LogsSummary:
                 "sd": float(np.std([one["value"] for one in each])),
                 "mean_std": float(np.mean([one["std"] for one in each])),
             }
-            for name, each in found.items()
+            for name, each in _by_name(results).items()
             if all(one["value"] is not None and one["std"] is not None for one in each)
         }
         return cls(logs, failures(results), parameters)
@@ -150,18 +146,25 @@ class LogsSummary:
 
 def failures(results: Sequence[Mapping[str, Any]]) -> dict[str, int]:
     """The number of failures, by their message."""
-    said = [str(one["failure"]) for one in results if "failure" in one]
-    return {message: said.count(message) for message in dict.fromkeys(said)}
+    return dict(Counter(str(one["failure"]) for one in results if "failure" in one))
 
 
 def _parameters(good: Sequence[Mapping[str, Any]]) -> tuple[ParameterSummary, ...]:
     """Summaries of the parameters that are estimated and have a truth, over the runs that report both."""
+    found = {
+        name: [one for one in each if one["truth"] is not None and one["value"] is not None and one["std"]]
+        for name, each in _by_name(good).items()
+    }
+    return tuple(ParameterSummary.of(name, each) for name, each in found.items() if each)
+
+
+def _by_name(results: Sequence[Mapping[str, Any]]) -> dict[str, list[Mapping[str, Any]]]:
+    """Each parameter as the results have it."""
     found: dict[str, list[Mapping[str, Any]]] = {}
-    for one in good:
-        for name, parameter in one["parameters"].items():
-            if parameter["truth"] is not None and parameter["value"] is not None and parameter["std"]:
-                found.setdefault(name, []).append(parameter)
-    return tuple(ParameterSummary.of(name, each) for name, each in found.items())
+    for one in results:
+        for name, parameter in one.get("parameters", {}).items():
+            found.setdefault(name, []).append(parameter)
+    return found
 
 
 def _told(result: Mapping[str, Any]) -> dict[str, Any]:
