@@ -8,8 +8,8 @@ filter's model are the counter-proof.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
 from dataclasses import dataclass, replace
+from functools import partial
 
 import numpy as np
 
@@ -31,12 +31,8 @@ PRIOR_STD = {"viscous_drag.linear": 0.5, "viscous_drag.angular": 0.25, "rolling_
 PRIOR = Prior(mass=0.2, com=0.05, inertia=0.2, slope=0.0, std=PRIOR_STD)
 MATCHED_MODEL, WRONG_MODEL = "matched", "rolling resistance left out"
 MODELS = MATCHED_MODEL, WRONG_MODEL
-MOTION_NEES, PARAMETER_NEES, POSE_NIS, VELOCITY_NIS = (
-    "NEES of motion",
-    "NEES of parameters",
-    "NIS of pose",
-    "NIS of velocity",
-)
+MOTION_NEES, PARAMETER_NEES = "NEES of motion", "NEES of parameters"
+POSE_NIS, VELOCITY_NIS = "NIS of pose", "NIS of velocity"
 SQUARES = MOTION_NEES, PARAMETER_NEES, POSE_NIS, VELOCITY_NIS
 
 
@@ -83,31 +79,23 @@ def follow(drive: Drive, cart: CartModel, model: str, noise: FilterNoise) -> Tra
     """The filter along a drive of `cart`."""
     first, prior = believed(model)
     estimator = CartFilter(first, list(HANDS), noise=noise, prior=prior)
-    motions, motion_covariances, parameters, covariances = [], [], [], []
-    nis: dict[str, list[float]] = {POSE_NIS: [], VELOCITY_NIS: []}
+    told = []
     for measurement in drive.log.measurements():
         estimate, belief = estimator.update(measurement), estimator.belief
-        motions.append(belief.mean)
-        motion_covariances.append(belief.covariance)
-        parameters.append(estimate.model_parameters)
-        covariances.append(estimate.covariance)
-        for name, sensor in ((POSE_NIS, "pose"), (VELOCITY_NIS, "velocity")):
-            nis[name].append(estimator.nis.get(sensor, (np.nan, 0))[0])
-    off = np.array(motions) - drive.motion
+        nis = [estimator.nis.get(sensor, (np.nan, 0))[0] for sensor in ("pose", "velocity")]
+        told.append((belief.mean, belief.covariance, estimate.model_parameters, estimate.covariance, *nis))
+    motion, motion_covariance, parameters, covariance, pose_nis, velocity_nis = map(np.array, zip(*told, strict=True))
+    off = motion - drive.motion
     off[:, 2] = wrap_angle(off[:, 2])
-    wrong = np.array(parameters) - cart.parameters[: len(parameters[0])]
+    wrong = parameters - cart.parameters[: parameters.shape[1]]
     squares = {
-        MOTION_NEES: normalised_square(off, np.array(motion_covariances)),
-        PARAMETER_NEES: normalised_square(wrong, np.array(covariances)),
-        **{name: np.array(values) for name, values in nis.items()},
+        MOTION_NEES: normalised_square(off, motion_covariance),
+        PARAMETER_NEES: normalised_square(wrong, covariance),
+        POSE_NIS: pose_nis,
+        VELOCITY_NIS: velocity_nis,
     }
-    sizes = {
-        MOTION_NEES: off.shape[1],
-        PARAMETER_NEES: wrong.shape[1],
-        POSE_NIS: 3,
-        VELOCITY_NIS: first.constraints.n_free,
-    }
-    return Trace(squares, sizes, wrong / np.sqrt(np.diagonal(np.array(covariances), axis1=1, axis2=2)))
+    sizes = dict(zip(SQUARES, (off.shape[1], wrong.shape[1], 3, first.constraints.n_free), strict=True))
+    return Trace(squares, sizes, wrong / np.sqrt(np.diagonal(covariance, axis1=1, axis2=2)))
 
 
 def trace_both(seed: int) -> dict[str, Trace]:
@@ -117,8 +105,5 @@ def trace_both(seed: int) -> dict[str, Trace]:
     return {model: follow(drive, cart, model, exact_noise("usual")) for model in MODELS}
 
 
-def run_seeds(
-    seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[dict[str, Trace]]:
-    """Each seed's traces, over `workers` processes."""
-    return run_all(trace_both, seeds, workers, progress)
+run_seeds = partial(run_all, trace_both)
+"""Each seed's traces."""

@@ -4,6 +4,7 @@ from __future__ import annotations
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 from pathlib import Path
 
 import numpy as np
@@ -55,12 +56,12 @@ def consistency(runs: Sequence[dict[str, Trace]], model: str, square: str) -> Co
 
 def rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
     """The rows of a table with COLUMNS."""
-    return [_row(model, square, consistency(runs, model, square)) for model in MODELS for square in SQUARES]
-
-
-def _row(model: str, square: str, found: Consistency) -> tuple[str, ...]:
-    band = f"{found.low:.3f} to {found.high:.3f}"
-    return model, square, f"{found.mean.mean():.3f}", band, f"{100 * found.inside:.1f} %"
+    told: list[tuple[str, ...]] = []
+    for model, square in product(MODELS, SQUARES):
+        found = consistency(runs, model, square)
+        band = f"{found.low:.3f} to {found.high:.3f}"
+        told.append((model, square, f"{found.mean.mean():.3f}", band, f"{100 * found.inside:.1f} %"))
+    return told
 
 
 def score_rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
@@ -78,13 +79,9 @@ def score_rows(runs: Sequence[dict[str, Trace]]) -> list[tuple[str, ...]]:
 def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
     """Each square in its band, and a wrong model that is not."""
     shares = {model: [consistency(runs, model, square).inside for square in SQUARES] for model in MODELS}
+    words = f"in its 95 % band at {MIN_INSIDE_FRACTION:.0%} of the steps"
     told = [
-        Claim(
-            square,
-            f"in its 95 % band at {MIN_INSIDE_FRACTION:.0%} of the steps",
-            f"{share:.1%}",
-            share >= MIN_INSIDE_FRACTION,
-        )
+        Claim(square, words, f"{share:.1%}", share >= MIN_INSIDE_FRACTION)
         for square, share in zip(SQUARES, shares[MATCHED_MODEL], strict=True)
     ]
     worst = min(shares[WRONG_MODEL])
@@ -119,10 +116,9 @@ def figure_consistency(runs: Sequence[dict[str, Trace]]) -> Figure:
             for axes, model in zip(row, MODELS, strict=True):
                 draw_square(axes, consistency(runs, model, square))
             row[0].set_ylabel(square)
-        for axes, model in zip(panels[0], MODELS, strict=True):
-            axes.set_title(model)
-        for axes in panels[-1]:
-            axes.set_xlabel("Time (s)")
+        for top, bottom, model in zip(panels[0], panels[-1], MODELS, strict=True):
+            top.set_title(model)
+            bottom.set_xlabel("Time (s)")
         figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
     return figure
 

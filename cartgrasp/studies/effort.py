@@ -16,7 +16,6 @@ from math import exp, inf, log
 
 import numpy as np
 
-from estimation import FilterNoise
 from planning import Choosing, RegraspTimes
 from planning.contact_sources.lookahead import ContactFamily
 from planning.contact_sources.strategies import FIXED as STAY
@@ -36,11 +35,11 @@ from ..information import WrenchNoise
 from ..model import CartModel
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
-from ..simulation.sensors import SensorNoise
 from ..wheels import CASTER, FIXED, Wheel
 from .parallel import run_all
 from .run_figures import RunFigures
 from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
+from .shopping_cart import FILTER_NOISE, SENSOR_NOISE
 
 MASSES, COM_OFFSETS, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
 WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED = "wrong guess kept", "usual load kept", "learned"
@@ -61,20 +60,15 @@ GRIPS: dict[int, dict[str, tuple[float, ...]]] = {
 }
 """y of the places where each of so many hands may hold, the middle's first, m."""
 MIN_HAND_DISTANCE, COM_X, GYRATION_RADIUS = 0.15, 0.4, 0.33  # m
-WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05)
+WRENCH_NOISE = WrenchNoise(SENSOR_NOISE.force, SENSOR_NOISE.moment)
 FIRST_GUESS_STD = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
 START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.2))
 BEND_MANOEUVRE = (*turn(np.pi / 3, 0.5), *pause(0.5), *turn(-np.pi / 3, 0.5), *pause(0.5))
 PATH = chain(START, STOP, START, BEND_MANOEUVRE, STOP)
-GAIN_RANGE, EQUAL_ERROR_TOLERANCE, MAX_BRACKET_RATIO, MAX_GAIN_TRIES, TYPICAL_GAIN_SLOPE = (
-    (0.25, 8.0),
-    0.02,
-    1.6,
-    4,
-    -1.5,
-)
-"""Bounds of the factor on gains. Log ratio within which errors count as equal, and ratio within which they are near.
-Most gains tried. Usual log-log slope of the error by the gain."""
+GAIN_RANGE, MAX_GAIN_TRIES, TYPICAL_GAIN_SLOPE = (0.25, 8.0), 4, -1.5
+"""Bounds of the factor on gains, how many are tried at most, and the usual log-log slope of the error by the gain."""
+EQUAL_ERROR_TOLERANCE, MAX_BRACKET_RATIO = 0.02, 1.6
+"""Log ratio within which errors count as equal, and ratio within which they are near."""
 FIGURES = ("gain", "error", "force", "moment", "largest_force", "largest_moment", "effort")
 
 
@@ -103,10 +97,8 @@ def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str,
         guess=replace(guess, first_guess=FIRST_GUESS_STD),
         arms=tuple(hands),
         stretches=PATH,
-        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment),
-        noise=FilterNoise(
-            0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment, disturbance=0.1, slip=0.0005
-        ),
+        sensors=SENSOR_NOISE,
+        noise=FILTER_NOISE,
         known=frozenset({"viscous_drag", "rolling_resistance"}),
         estimation=LEARNING if knowledge == LEARNED else FIRST_GUESS,
         plant=MUJOCO_PLANT,

@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Callable, Sequence
-from dataclasses import dataclass
+from dataclasses import astuple, dataclass
 
 import numpy as np
 
@@ -106,13 +106,8 @@ class Drive:
     motion: Array
 
 
-def drive(job: Job, duration: float | None = None) -> RunLog:
-    """The log, whole or of a duration (s)."""
-    return drive_cart(truth(), job, duration).log
-
-
 def drive_cart(cart: CartModel, job: Job, duration: float | None = None, outside: PushSource = no_pushes) -> Drive:
-    """Any cart along the job's path, whatever else pushes it."""
+    """A cart along the job's path, whatever else pushes it; whole or for a duration (s)."""
     plant, sensors = PushedPlant(ModelPlant(cart), outside), Sensors(cart, SENSOR_SETS[job.sensors], job.seed)
     reference, tracker = PathReference(PATHS[job.path], cart.rolling), build_tracker(cart.constraints)
     rows, motions = [], []
@@ -136,10 +131,8 @@ def shared(wrench_b: Array) -> ContactWrenches:
 
 
 def filter_noise(sensors: SensorNoise) -> FilterNoise:
-    """What an estimator is told."""
-    s = sensors
-    known = (s.position, s.heading, s.linear_velocity, s.yaw_rate, s.force, s.moment)
-    return FilterNoise(*known, disturbance=0.02, slip=0.0001)
+    """What an estimator is told: the six deviations of the sensors, and little beside."""
+    return FilterNoise(*astuple(sensors)[:6], disturbance=0.02, slip=0.0001)
 
 
 def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:

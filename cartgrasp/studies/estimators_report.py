@@ -8,24 +8,15 @@ from itertools import product
 
 import numpy as np
 
+from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..inertia import physical_from_phi
 from .claims import Claim
 from .estimators import FILTER, IDENTIFY, PATHS, REGRESSOR, SENSOR_SETS, WAYS, Trial, truth
 
-PHYSICAL = ("mass", "com_x", "com_y", "inertia")
-COLUMNS = (
-    "path, sensors",
-    "estimator",
-    "mass kg",
-    "bias kg",
-    "CoM x cm",
-    "CoM y cm",
-    "inertia kg·m²",
-    "z",
-)
+COLUMNS = ("path, sensors", "estimator", "mass kg", "bias kg", "CoM x cm", "CoM y cm", "inertia kg·m²", "z")
 MOTION_COLUMNS = ("path, sensors", "estimator", "u mm/s", "r mrad/s", "µs a row")
-BETTER_COLUMNS = ("path", "sensors", *PHYSICAL, "u", "r", "parameters by", "motion by")
+BETTER_COLUMNS = ("path", "sensors", *PHYSICAL_NAMES, "u", "r", "parameters by", "motion by")
 CLEARLY_BETTER_RATIO = 1.15
 """The factor by which one must be better to be called so."""
 
@@ -47,7 +38,7 @@ class Score:
 def score(trials: Sequence[Trial], way: str) -> Score:
     """The score of one estimator in trials of one case."""
     true = physical_from_phi(truth().inertia.phi)
-    found = [[trial.answers[way].parameters[name] for name in PHYSICAL] for trial in trials]
+    found = [[trial.answers[way].parameters[name] for name in PHYSICAL_NAMES] for trial in trials]
     errors = np.array([[p.value for p in row] for row in found]) - true
     deviations = np.array([[p.std for p in row] for row in found])
     return Score(

@@ -13,7 +13,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimation import FilterNoise, Prior
+from estimation import Prior
 from planning import Choosing
 from planning.contact_sources.by_time import FixedContacts, PeriodicContacts
 from planning.excitation.excitation_choice import D_OPTIMAL, E_OPTIMAL, Allowance, ExcitationChooser
@@ -30,9 +30,10 @@ from ..model import CartModel
 from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
-from ..simulation.sensors import SensorNoise
+from .estimators import filter_noise
 from .parallel import run_all
 from .scenario import Scenario, with_truth
+from .shopping_cart import SENSOR_NOISE
 
 DWELL_TIME = 3.0
 FIXED_WAY, PERIODIC_WAY, CHOSEN_WAY = "fixed", "periodic", "chosen"
@@ -45,12 +46,8 @@ ALLOWANCES = {
     D_MOTION: Allowance(30.0, 0.03, D_OPTIMAL),
 }
 """N² beyond the least, mean over each window; m to either side."""
-PHYSICAL_PARAMETERS = ("mass", "com_x", "com_y", "inertia")
 KNOWN_PARAMETERS = frozenset({"viscous_drag"})
-WRENCH_NOISE = WrenchNoise(force=1.0, moment=0.05, rate=100.0)
-FILTER_NOISE = FilterNoise(
-    *(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment), disturbance=0.02, slip=0.0001
-)
+WRENCH_NOISE = WrenchNoise(SENSOR_NOISE.force, SENSOR_NOISE.moment, rate=100.0)
 ARM_CONTACTS = ((-0.9, 0.2, 1.0), (-0.45, 0.3, 0.8), (0.0, 0.3, 0.8))
 
 
@@ -72,8 +69,8 @@ def scenario(way: str, seed: int) -> Scenario:
         guess=CartModel(Inertia(16.0, (-0.45, 0.0), 2.0), RollingConstraints(), (drag,)),
         arms=arms(),
         stretches=chain(speed_change(0.6), pause(4.0), *curves, pause(4.0), speed_change(-0.6)),
-        sensors=SensorNoise(0.0004, 0.0004, 0.005, 0.005, WRENCH_NOISE.force, WRENCH_NOISE.moment),
-        noise=FILTER_NOISE,
+        sensors=SENSOR_NOISE,
+        noise=filter_noise(SENSOR_NOISE),
         contacts=PERIODIC_WAY if way == PERIODIC_WAY else FIXED_WAY,
         choosing=Choosing(every=DWELL_TIME),
         known=KNOWN_PARAMETERS,

@@ -11,6 +11,7 @@ from matplotlib.figure import Figure
 
 from planning.excitation.excitation_choice import D_OPTIMAL, Allowance
 
+from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..inertia import physical_jacobian
 from ..information import phi_covariance
@@ -23,7 +24,6 @@ from .excitation import (
     E_MOTION,
     FIXED_WAY,
     PERIODIC_WAY,
-    PHYSICAL_PARAMETERS,
     Drive,
     excitation,
     plan_information,
@@ -31,8 +31,8 @@ from .excitation import (
     way_information,
 )
 
-COLUMNS = ("way", *PHYSICAL_PARAMETERS, "effort N²·s", "tracking cm")
-PRICE_COLUMNS = ("allowed N²", "weave cm", *PHYSICAL_PARAMETERS, "effort N²·s")
+COLUMNS = ("way", *PHYSICAL_NAMES, "effort N²·s", "tracking cm")
+PRICE_COLUMNS = ("allowed N²", "weave cm", *PHYSICAL_NAMES, "effort N²·s")
 PRICED_ALLOWANCES = (
     Allowance(0.0, 0.0, D_OPTIMAL),
     *(Allowance(effort, 0.03, D_OPTIMAL) for effort in (3.0, 10.0, 30.0, 100.0)),
@@ -82,7 +82,7 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     x, inertia = contacts[[1, 3]] / fixed[[1, 3]]
     gains = motion / np.minimum(fixed, periodic)
     ratios = np.array([_last(drive) / bounds(drive.way) for drive in drives])
-    worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PHYSICAL_PARAMETERS)
+    worst = max(_root_mean_square(d.errors(name)) / d.std(name)[-1] for d in drives for name in PHYSICAL_NAMES)
     spent = max(w.effort - w.least_effort - a.effort for a in ALLOWANCES.values() for w in excitation(a).windows)
     return [
         Claim(
@@ -123,16 +123,16 @@ def as_dict(drive: Drive) -> dict[str, object]:
     foretold = bounds(drive.way).tolist()
     return {
         "way": drive.way,
-        "std": dict(zip(PHYSICAL_PARAMETERS, _last(drive).tolist(), strict=True)),
-        "bound": dict(zip(PHYSICAL_PARAMETERS, foretold, strict=True)),
-        "rms_error": {name: _root_mean_square(drive.errors(name)) for name in PHYSICAL_PARAMETERS},
+        "std": dict(zip(PHYSICAL_NAMES, _last(drive).tolist(), strict=True)),
+        "bound": dict(zip(PHYSICAL_NAMES, foretold, strict=True)),
+        "rms_error": {name: _root_mean_square(drive.errors(name)) for name in PHYSICAL_NAMES},
         "effort": float(drive.effort[-1]),
         "tracking_error": drive.tracking_error,
     }
 
 
 def _last(drive: Drive) -> Array:
-    return np.array([drive.std(name)[-1] for name in PHYSICAL_PARAMETERS])
+    return np.array([drive.std(name)[-1] for name in PHYSICAL_NAMES])
 
 
 def _root_mean_square(values: Array) -> float:
@@ -169,7 +169,7 @@ def figure_excitation(drives: Sequence[Drive]) -> Figure:
     with house_style():
         figure = Figure(figsize=(7.2, 5.6), layout="constrained")
         axes = figure.subplots(3, 2).ravel()
-        for panel, parameter in zip(axes, PHYSICAL_PARAMETERS, strict=False):
+        for panel, parameter in zip(axes, PHYSICAL_NAMES, strict=False):
             draw_deviations(panel, drives, parameter)
         draw_effort(axes[4], drives)
         draw_paths(axes[5], drives)

@@ -20,6 +20,7 @@ from planning.tracking import build_tracker
 
 from ..contacts import ContactWrenches
 from ..effects import CasterRealignment, Effect, RollingResistance, ViscousDrag
+from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..inertia import Inertia, physical_from_phi
 from ..information import WrenchNoise as ForceNoise
@@ -187,7 +188,7 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
         mass.append([one.value for one in found])
         std.append([one.std for one in found])
         last = estimator.estimate.parameters
-        errors.append([last[name].value for name in ("mass", "com_x", "com_y", "inertia")])
+        errors.append([last[name].value for name in PHYSICAL_NAMES])
     true = physical_from_phi(experiment.cart.inertia.phi)
     return Outcome(
         experiment=experiment,

@@ -15,7 +15,7 @@ from functools import partial
 
 import numpy as np
 
-from estimation import CartFilter, FilterNoise, Prior
+from estimation import CartFilter, Prior
 from planning import Plan, Skid, TipOver, WrenchPlanner
 from planning.references import PathReference, Stretch, pause
 from planning.tracking import build_tracker
@@ -30,9 +30,10 @@ from ..inertia import Inertia, physical_from_phi
 from ..model import CartModel
 from ..motion import Estimate, Motion
 from ..simulation.plant import ModelPlant
-from ..simulation.sensors import SensorNoise, Sensors
+from ..simulation.sensors import Sensors
+from .estimators import filter_noise
 from .parallel import run_all
-from .shopping_cart import WHEELS
+from .shopping_cart import SENSOR_NOISE, WHEELS
 
 NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"
 WAYS = (NOMINAL, ROBUST, CART_KNOWN)
@@ -41,8 +42,7 @@ LIMIT_TOLERANCE = 0.1
 """N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 CONTROL_PERIOD = 0.01
 PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
-SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
-FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.02, slip=0.0001)
+FILTER_NOISE = filter_noise(SENSOR_NOISE)
 STRAIGHT_LAP = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
 CURVED_LAP = (
     *(Stretch(0.4, 1.0, 3.0), Stretch(0.4, 1.0, -3.0), Stretch(0.2, -2.0, -3.0), Stretch(0.2, -2.0, 3.0)),

@@ -15,7 +15,6 @@ from math import inf
 
 import numpy as np
 
-from estimation import FilterNoise
 from planning import Caution, Skid, TipOver
 from planning.references import PathReference, Stretch, pause
 
@@ -34,8 +33,9 @@ from ..simulation.mujoco_plant import MujocoPlant
 from ..simulation.sensors import Sensors
 from ..wheels import CASTER, FIXED, Wheel
 from .parallel import run_all
-from .robust_margins import CONFIDENCE, FRICTION, LIMIT_TOLERANCE, SENSOR_NOISE, effort_of, room
+from .robust_margins import CONFIDENCE, FRICTION, LIMIT_TOLERANCE, effort_of, room
 from .scenario import FIRST_GUESS, LEARNING, Scenario
+from .shopping_cart import FILTER_NOISE, SENSOR_NOISE
 
 BLIND, GUESSED, ESTIMATED, CONFIDENT, TRUTH_KNOWN = (
     *("no limits", "limits of the first guess", "limits of the estimate"),
@@ -156,7 +156,7 @@ def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenari
         arms=arms(),
         stretches=PATH,
         sensors=SENSOR_NOISE,
-        noise=FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=DISTURBANCE, slip=0.0005),
+        noise=replace(FILTER_NOISE, disturbance=DISTURBANCE),
         known=frozenset({"viscous_drag", "rolling_resistance"}),
         estimation=FIRST_GUESS if way in (GUESSED, TRUTH_KNOWN) else LEARNING,
         seed=seed,

@@ -17,6 +17,7 @@ from planning.tracking import Gains
 from ..arms import Arm
 from ..effects import InertiaEffect
 from ..errors import UsageError
+from ..first_guess import PHYSICAL_NAMES
 from ..inertia import physical_from_phi
 from ..model import CartModel
 from ..roles import Estimator, Plant
@@ -105,7 +106,7 @@ class Scenario:
         """What the filter is told."""
         known = frozenset() if self.estimation == PAPER else self.known
         if self.estimation == FIRST_GUESS:
-            known = known | {"mass", "com_x", "com_y", "inertia"} | {e.key for e in self.guess.effects}
+            known = known | set(PHYSICAL_NAMES) | {e.key for e in self.guess.effects}
             return Prior(slope=0.0, known=known)
         return Prior(known=known)
 
@@ -120,7 +121,7 @@ def with_truth(record: RunRecord, truth: CartModel) -> RunRecord:
     """The record with the true value beside each parameter that the truth has."""
     changes, n = any(isinstance(effect, InertiaEffect) for effect in truth.effects), len(record.time)
     physical = physical_from_phi(truth.phi_at(record.time if changes else record.time[:1]))
-    values = dict(zip(("mass", "com_x", "com_y", "inertia"), np.broadcast_to(physical, (n, 4)).T, strict=True))
+    values = dict(zip(PHYSICAL_NAMES, np.broadcast_to(physical, (n, 4)).T, strict=True))
     for effect in truth.effects:
         if not isinstance(effect, InertiaEffect):
             for key, value in zip(effect.keys, effect.values, strict=True):

@@ -3,14 +3,14 @@
 import numpy as np
 import pytest
 
+from cartgrasp.first_guess import PHYSICAL_NAMES as PHYSICAL
 from cartgrasp.motion import ParameterEstimate
 from cartgrasp.studies.claims import all_kept
-from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive, run_trials, truth
+from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive_cart, run_trials, truth
 from cartgrasp.studies.estimators_report import (
     BETTER_COLUMNS,
     COLUMNS,
     MOTION_COLUMNS,
-    PHYSICAL,
     as_dict,
     better_rows,
     claims,
@@ -20,6 +20,10 @@ from cartgrasp.studies.estimators_report import (
 )
 
 TRUE = (24.0, 0.28, 0.06, 2.2)
+
+
+def drive(job, duration):
+    return drive_cart(truth(), job, duration).log
 
 
 def made_up(errors):
