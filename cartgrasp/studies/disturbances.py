@@ -8,7 +8,7 @@ as the same noise of what they observe allows; one is twice as quick.
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from typing import Any
 
@@ -18,7 +18,6 @@ from estimation import CartFilter, DisturbedFilter
 from planning import Controller
 from planning.references import PathReference, chain, pause, speed_change, turn
 
-from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..effects import CasterRealignment, PayloadChange, RollingResistance, ViscousDrag
 from ..errors import PlantError
@@ -27,13 +26,13 @@ from ..inertia import Inertia
 from ..model import CartModel
 from ..motion import Motion
 from ..simulation.closed_loop import Loop, run
-from ..simulation.pushed_plant import Push, PushedPlant, PushSource
+from ..simulation.pushed_plant import Push, PushedPlant, PushSource, no_pushes
 from ..simulation.sensors import Sensors
 from ..wheels import GRAVITY
 from .disturbance_peers import ExtendedStateObserver, PaperTracker
-from .parallel import run_all
+from .parallel import Progress, run_all
 from .shopping_cart import FILTER_NOISE as SHOPPING_NOISE
-from .shopping_cart import FIRM_GAINS, SENSOR_NOISE, WHEELS
+from .shopping_cart import FIRM_GAINS, SENSOR_NOISE, WHEELS, two_hands
 
 LOAD, PUSH, RAMP, SILL, FLOOR = "load", "push", "ramp", "sill", "floor"
 OURS, ESO, QUICK_ESO = "ours", "extended-state observer", "the same, twice as quick"
@@ -45,21 +44,12 @@ BANDWIDTHS = {ESO: 21.0, QUICK_ESO: 42.0}
 DISTURBANCE_KINDS = (LOAD, PUSH, RAMP, SILL, FLOOR)
 SPEED_DIP = *speed_change(-0.25), *speed_change(0.25)
 PATH = chain(
-    *(
-        speed_change(0.5),
-        pause(0.3),
-        SPEED_DIP,
-        SPEED_DIP,
-        turn(-0.5, 0.4),
-        pause(0.3),
-        SPEED_DIP,
-        turn(0.8, 0.4),
-        pause(0.5),
-        SPEED_DIP,
-    ),
+    *(speed_change(0.5), pause(0.3), SPEED_DIP, SPEED_DIP, turn(-0.5, 0.4), pause(0.3)),
+    *(SPEED_DIP, turn(0.8, 0.4), pause(0.5), SPEED_DIP),
     *(pause(0.5), turn(-0.8, 0.4), pause(0.5), SPEED_DIP, pause(1.0), speed_change(-0.5), pause(1.5)),
 )
 CONTROL_PERIOD = 0.01
+ARMS = two_hands(0.22, (120.0, 10.0, 20.0), (15.0, 15.0, 15.0))
 ONSET_TIME = 5.6
 """s, from which on things happen and errors count."""
 RAMP_ANGLE = math.radians(3.0)
@@ -102,11 +92,10 @@ class Case:
 
     @property
     def outside(self) -> PushSource:
-        return {LOAD: _nothing, PUSH: _push, RAMP: _ramp, SILL: _sill, FLOOR: _floor}[self.kind](self)
-
-
-def _nothing(case: Case) -> PushSource:
-    return lambda time, motion: ()
+        """What pushes the cart beside the hands."""
+        if self.kind == LOAD:
+            return no_pushes
+        return {PUSH: _push, RAMP: _ramp, SILL: _sill, FLOOR: _floor}[self.kind](self)
 
 
 def _push(case: Case) -> PushSource:
@@ -173,12 +162,6 @@ def _floor(case: Case) -> PushSource:
     return now
 
 
-def arms() -> tuple[Arm, ...]:
-    force, moment = (120.0, 10.0, 20.0), (15.0, 15.0, 15.0)
-    places = {"left": (-0.25, 0.22, 1.0), "right": (-0.25, -0.22, 1.0)}
-    return tuple(Arm(name, [p], force_limit=force, moment_limit=moment) for name, p in places.items())
-
-
 @dataclass(frozen=True, eq=False)
 class Outcome:
     """From ONSET_TIME on: errors of position (n,) and heading (n,), m and rad, beside what the cart is to do, the force
@@ -225,15 +208,15 @@ def attempt(job: tuple[Case, str]) -> Outcome:
 
 def controller(guess: CartModel, way: str) -> Controller:
     """By name."""
-    names, reference = [arm.name for arm in arms()], PathReference(PATH)
+    names, reference = [arm.name for arm in ARMS], PathReference(PATH)
     usual: dict[str, Any] = {"gains": FIRM_GAINS, "regrasp": None, "learn": way in (OURS, PAPER)}
     if way in BANDWIDTHS:
         observer = ExtendedStateObserver(guess, BANDWIDTHS[way])
-        return Controller(observer.cart, arms(), reference, estimator=observer, **usual)
+        return Controller(observer.cart, ARMS, reference, estimator=observer, **usual)
     kind = DisturbedFilter if way == OURS else CartFilter
     tracker = None if way == OURS else PaperTracker(FIRM_GAINS)
     return Controller(
-        guess, arms(), reference, estimator=kind(guess, names, noise=FILTER_NOISE), tracker=tracker, **usual
+        guess, ARMS, reference, estimator=kind(guess, names, noise=FILTER_NOISE), tracker=tracker, **usual
     )
 
 
@@ -243,12 +226,7 @@ def _mass_error(case: Case, time: Array, mass: Array) -> float:
     return float(np.abs(mass / case.cart.phi_at(time)[:, 0] - 1.0)[counts].max())
 
 
-def run_cases(
-    seeds: Sequence[int],
-    workers: int = 1,
-    progress: Callable[[float], None] | None = None,
-    kinds: Sequence[str] = DISTURBANCE_KINDS,
-) -> list[Outcome]:
+def run_cases(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Outcome]:
     """Each kind, seed and way, over `workers` processes."""
-    jobs = [(Case(kind, seed), way) for seed in seeds for kind in kinds for way in WAYS]
+    jobs = [(Case(kind, seed), way) for seed in seeds for kind in DISTURBANCE_KINDS for way in WAYS]
     return run_all(attempt, jobs, workers, progress)

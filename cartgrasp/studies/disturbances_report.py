@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import product
 
 import numpy as np
 
@@ -68,34 +69,27 @@ def merit(outcomes: Sequence[Outcome], kind: str, way: str) -> Merit:
     return Merit.of([one for one in outcomes if (one.case.kind, one.way) == (kind, way)])
 
 
-def _kinds(outcomes: Sequence[Outcome]) -> list[str]:
-    return [kind for kind in DISTURBANCE_KINDS if any(one.case.kind == kind for one in outcomes)]
-
-
 def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
     """By kind and way; "-" where nothing is learned."""
     found = []
-    for kind in _kinds(outcomes):
-        for way in WAYS:
-            m = merit(outcomes, kind, way)
-            learns = not math.isnan(m.mass)
-            numbers = [f"{value:.1f}" for value in m.errors] + [f"{m.far:.2f}", f"{m.force:.0f}"]
-            masses = [f"{m.mass:.1f}", f"{m.kept:.0f} %"] if learns else ["-", "-"]
-            found.append((kind, way, *numbers, *masses, str(m.fell)))
+    for kind, way in product(DISTURBANCE_KINDS, WAYS):
+        m = merit(outcomes, kind, way)
+        numbers = [f"{value:.1f}" for value in m.errors] + [f"{m.far:.2f}", f"{m.force:.0f}"]
+        masses = ["-", "-"] if math.isnan(m.mass) else [f"{m.mass:.1f}", f"{m.kept:.0f} %"]
+        found.append((kind, way, *numbers, *masses, str(m.fell)))
     return found
 
 
 def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     found = []
-    for kind in _kinds(outcomes):
+    for kind in DISTURBANCE_KINDS:
         ours = merit(outcomes, kind, OURS)
         best = np.nanmin([merit(outcomes, kind, way).errors for way in WAYS if way != OURS], axis=0)
         shares = np.array(ours.errors) / best
-        told = " and ".join(f"{share:.2f}" for share in shares[:2])
-        claim = f"rms and peak of position are {MAX_PEER_RATIO} of the best peer's at most"
-        found.append(Claim(kind, claim, told, bool((shares[:2] <= MAX_PEER_RATIO).all())))
-        told = " and ".join(f"{share:.2f}" for share in shares[2:])
-        found.append(Claim(kind, "and of heading", told, bool((shares[2:] <= MAX_PEER_RATIO).all())))
+        position = f"rms and peak of position are {MAX_PEER_RATIO} of the best peer's at most"
+        for words, pair in ((position, shares[:2]), ("and of heading", shares[2:])):
+            told = " and ".join(f"{share:.2f}" for share in pair)
+            found.append(Claim(kind, words, told, bool((pair <= MAX_PEER_RATIO).all())))
         found.append(Claim(kind, "the mass stays within 2 %", f"in {ours.kept:.0f} % of the runs", ours.kept == 100.0))
     return found
 

@@ -36,9 +36,9 @@ from ..model import CartModel
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from ..wheels import CASTER, FIXED, Wheel
-from .parallel import run_all
+from .parallel import Progress, run_all
 from .run_figures import RunFigures
-from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
+from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario, scaled
 from .shopping_cart import FILTER_NOISE, SENSOR_NOISE
 
 MASSES, COM_OFFSETS, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
@@ -108,12 +108,6 @@ def scenario(truth: CartModel, hands: Sequence[Arm], knowledge: str, place: str,
         gains=scaled(Gains(), gain),
         seed=seed,
     )
-
-
-def scaled(gains: Gains, by: float) -> Gains:
-    """All errors decay `by` times as fast."""
-    quicker = {name: by * getattr(gains, name) for name in ("along", "heading", "velocity")}
-    return replace(gains, across=by**2 * gains.across, **quicker)
 
 
 @dataclass(frozen=True)
@@ -240,9 +234,7 @@ def _next_gain(tries: Sequence[RunCost], error: float) -> float:
     return near[0].gain * exp(log(error / near[0].error) / slope)
 
 
-def run_seeds(
-    seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Comparison]:
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Comparison]:
     """Every truck with every seed, over `workers` processes."""
     jobs = [Job(mass, aside, n, seed) for n, mass, aside, seed in product(HANDS, MASSES, COM_OFFSETS, seeds)]
     return run_all(compare, jobs, workers, progress)
@@ -269,9 +261,6 @@ def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tu
     needed, best = motions(path, truth, (0.0, path.duration), 0.0).needed[0], int(lowest.argmin())
     firsts = [ys[0] for ys in GRIPS[hands].values()]
     middle = next(i for i, one in enumerate(family.choices) if (one[:, 1] == firsts).all())
-    forces = [_rms_and_largest(_forces(family.split.wrenches(i, needed), hands))[0] for i in (best, middle)]
+    wrenches = [family.split.wrenches(i, needed).reshape(-1, hands, 6) for i in (best, middle)]
+    forces = [_rms_and_largest(np.moveaxis(one[..., :3], 1, 0))[0] for one in wrenches]
     return forces[0] / forces[1], float(lowest[best] / lowest[middle])
-
-
-def _forces(wrenches: Array, hands: int) -> Array:
-    return np.moveaxis(wrenches.reshape(len(wrenches), hands, 6)[..., :3], 1, 0)

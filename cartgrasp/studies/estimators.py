@@ -9,7 +9,7 @@ from __future__ import annotations
 
 import math
 import time
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import astuple, dataclass
 
 import numpy as np
@@ -31,7 +31,7 @@ from ..motion import Measurement, ParameterEstimate
 from ..simulation.plant import ModelPlant
 from ..simulation.pushed_plant import PushedPlant, PushSource, no_pushes
 from ..simulation.sensors import SensorNoise, Sensors
-from .parallel import run_all
+from .parallel import Progress, run_all
 
 CONTROL_PERIOD = 0.01
 MOTION_SETTLING_TIME = 1.0
@@ -156,7 +156,7 @@ def attempt(job: Job) -> Trial:
     return Trial(job, {way: answer(driven, way, noise) for way in WAYS})
 
 
-def run_trials(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Trial]:
+def run_trials(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Trial]:
     """Each path with each sensors and seed, over `workers` processes."""
     jobs = [Job(path, sensors, seed) for path in PATHS for sensors in SENSOR_SETS for seed in seeds]
     return run_all(attempt, jobs, workers, progress)

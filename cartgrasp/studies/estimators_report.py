@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Iterator, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
 
@@ -41,30 +41,30 @@ def score(trials: Sequence[Trial], way: str) -> Score:
     found = [[trial.answers[way].parameters[name] for name in PHYSICAL_NAMES] for trial in trials]
     errors = np.array([[p.value for p in row] for row in found]) - true
     deviations = np.array([[p.std for p in row] for row in found])
+    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):  # the paper's filter may be sure of anything
+        z = float(np.sqrt(((errors / deviations) ** 2).mean()))
     return Score(
         errors=np.sqrt((errors**2).mean(axis=0)),
         bias=errors.mean(axis=0),
         spread=errors.std(axis=0) / max(len(trials) - 1, 1) ** 0.5,
-        z=_rms_score(errors, deviations),
+        z=z,
         motion=np.sqrt(np.mean([np.square(trial.answers[way].motion_errors) for trial in trials], axis=0)),
         step_time=float(np.median([trial.answers[way].step_time for trial in trials])),
     )
 
 
-def _rms_score(errors: Array, deviations: Array) -> float:
-    """The rms of errors over their standard deviations; the paper's filter may be sure of anything."""
-    with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        return float(np.sqrt(((errors / deviations) ** 2).mean()))
-
-
-def case(trials: Sequence[Trial], path: str, sensors: str) -> list[Trial]:
-    return [trial for trial in trials if (trial.job.path, trial.job.sensors) == (path, sensors)]
+def scores(trials: Sequence[Trial]) -> dict[tuple[str, str, str], Score]:
+    """By path, sensors and way."""
+    cases: dict[tuple[str, str], list[Trial]] = {(path, sensors): [] for path, sensors in product(PATHS, SENSOR_SETS)}
+    for trial in trials:
+        cases[trial.job.path, trial.job.sensors].append(trial)
+    return {(*case, way): score(ours, way) for case, ours in cases.items() for way in WAYS}
 
 
 def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """The rows of a table with COLUMNS."""
     told: list[tuple[str, ...]] = []
-    for path, sensors, way, found in _scores(trials):
+    for (path, sensors, way), found in scores(trials).items():
         mass, com_x, com_y, inertia = found.errors
         sizes = f"{mass:.3g}", f"{found.bias[0]:+.2g}", f"{100 * com_x:.2g}", f"{100 * com_y:.2g}", f"{inertia:.2g}"
         told.append((f"{path}, {sensors}", way, *sizes, f"{found.z:.2g}"))
@@ -74,22 +74,18 @@ def rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
 def motion_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """The rows of a table with MOTION_COLUMNS."""
     told: list[tuple[str, ...]] = []
-    for path, sensors, way, found in _scores(trials):
+    for (path, sensors, way), found in scores(trials).items():
         motion = ("" if np.isnan(error) else f"{1e3 * error:.3g}" for error in found.motion)
         told.append((f"{path}, {sensors}", way, *motion, f"{1e6 * found.step_time:.0f}"))
     return told
 
 
-def _scores(trials: Sequence[Trial]) -> Iterator[tuple[str, str, str, Score]]:
-    for path, sensors, way in product(PATHS, SENSOR_SETS, WAYS):
-        yield path, sensors, way, score(case(trials, path, sensors), way)
-
-
 def better_rows(trials: Sequence[Trial]) -> list[tuple[str, ...]]:
     """Ratios of rms errors by case, and which of the two is better at parameters and at motion, in geometric means."""
     told: list[tuple[str, ...]] = []
+    found = scores(trials)
     for path, sensors in product(PATHS, SENSOR_SETS):
-        filters, regressors = (score(case(trials, path, sensors), way) for way in (FILTER, REGRESSOR))
+        filters, regressors = (found[path, sensors, way] for way in (FILTER, REGRESSOR))
         ratios = filters.errors / regressors.errors, filters.motion / regressors.motion
         figures = (f"{value:.2f}" for value in np.concatenate(ratios))
         told.append((path, sensors, *figures, *(better(ratio) for ratio in ratios)))
@@ -103,15 +99,13 @@ def better(ratio: Array) -> str:
 
 
 def claims(trials: Sequence[Trial]) -> list[Claim]:
-    usual = [score(case(trials, path, "usual"), REGRESSOR) for path in ("straight", "curves")]
+    found = scores(trials)
+    usual = [found[path, "usual", REGRESSOR] for path in ("straight", "curves")]
     mass = float(physical_from_phi(truth().inertia.phi)[0])
     within = all(abs(s.bias[0]) <= max(0.005 * mass, 2 * s.spread[0]) for s in usual)
-    scores = {way: _honesty(trials, way) for way in WAYS}
-    motions = {
-        way: np.array([score(case(trials, path, sensors), way).motion for path in PATHS for sensors in SENSOR_SETS])
-        for way in (FILTER, REGRESSOR)
-    }
-    worst = float((motions[FILTER] / motions[REGRESSOR]).max())
+    cases = list(product(PATHS, SENSOR_SETS))
+    z = {way: float(np.sqrt(np.mean([found[*case, way].z ** 2 for case in cases]))) for way in WAYS}
+    worst = max(float((found[*case, FILTER].motion / found[*case, REGRESSOR].motion).max()) for case in cases)
     times = {way: np.median([trial.answers[way].step_time for trial in trials]) for way in WAYS}
     return [
         Claim(
@@ -120,9 +114,10 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
             ", ".join(f"{s.bias[0]:+.2f} kg" for s in usual),
             within,
         ),
-        Claim(REGRESSOR, "z of 0.5 to 1.5 over all", f"{scores[REGRESSOR]:.2f}", 0.5 <= scores[REGRESSOR] <= 1.5),
-        Claim(FILTER, "z of 0.5 to 1.5 over all", f"{scores[FILTER]:.2f}", 0.5 <= scores[FILTER] <= 1.5),
-        Claim(IDENTIFY, "z of 0.5 to 1.5 over all", f"{scores[IDENTIFY]:.2f}", 0.5 <= scores[IDENTIFY] <= 1.5, False),
+        *(
+            Claim(way, "z of 0.5 to 1.5 over all", f"{z[way]:.2f}", 0.5 <= z[way] <= 1.5, promised=way != IDENTIFY)
+            for way in (REGRESSOR, FILTER, IDENTIFY)
+        ),
         Claim(
             REGRESSOR,
             "takes less time than the filter",
@@ -137,12 +132,6 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
             worst < 1.0,
         ),
     ]
-
-
-def _honesty(trials: Sequence[Trial], way: str) -> float:
-    """Rms of z over all cases."""
-    cases = [score(case(trials, path, sensors), way).z for path in PATHS for sensors in SENSOR_SETS]
-    return float(np.sqrt(np.mean(np.square(cases))))
 
 
 def as_dict(trial: Trial) -> dict[str, object]:

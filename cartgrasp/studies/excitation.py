@@ -8,7 +8,6 @@ teaches does not depend on what there is to learn, only its effort does.
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass
 
 import numpy as np
@@ -31,7 +30,7 @@ from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
 from .estimators import filter_noise
-from .parallel import run_all
+from .parallel import Progress, run_all
 from .scenario import Scenario, with_truth
 from .shopping_cart import SENSOR_NOISE
 
@@ -126,9 +125,7 @@ class Drive:
         return max(float(r.tracking_error[r.time >= 5.0].max()) for r in self.records)
 
 
-def run_ways(
-    seeds: int, first_seed: int = 0, workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Drive]:
+def run_ways(seeds: int, first_seed: int = 0, workers: int = 1, progress: Progress = None) -> list[Drive]:
     """Every way with every seed, over `workers` processes."""
     jobs = [(way, first_seed + i) for way in WAYS for i in range(seeds)]
     records = run_all(_drive, jobs, workers, progress)

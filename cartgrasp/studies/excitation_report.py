@@ -94,7 +94,7 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
         Claim(
             E_MOTION,
             "every sd below both fixed and periodic contacts'",
-            "at most " + f"{gains.max():.2f} of them",
+            f"at most {gains.max():.2f} of them",
             bool(gains.max() < 1.0),
         ),
         Claim(

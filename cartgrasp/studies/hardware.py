@@ -8,7 +8,6 @@ hand; a run is what sensors would have made of that, so that what scatters is th
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -30,7 +29,7 @@ from ..model import CartModel
 from ..motion import Measurement, Motion
 from ..simulation.sensors import SensorNoise, Sensors
 from .motion_bound import TrueMotion, information_of
-from .parallel import run_all
+from .parallel import Progress, run_all
 from .shopping_cart import FIRM_GAINS, WHEELS
 
 CONTROL_PERIOD = 0.01
@@ -60,9 +59,8 @@ class Experiment:
         """What is pushed: its load lies off the middle."""
         drags = ViscousDrag(linear=2.0, angular=0.4), RollingResistance(coefficient=0.015)
         inertia = Inertia(self.mass, (0.36, 0.05), 0.09 * self.mass)
-        return CartModel(
-            inertia, effects=(*drags, CasterRealignment(swivel_torque=0.12)), wheels=WHEELS, com_height=0.45
-        )
+        effects = *drags, CasterRealignment(swivel_torque=0.12)
+        return CartModel(inertia, effects=effects, wheels=WHEELS, com_height=0.45)
 
     @property
     def guess(self) -> CartModel:
@@ -101,9 +99,6 @@ class Drive:
 
     motions: tuple[Motion, ...]
     wrenches: Array
-
-    def __len__(self) -> int:
-        return len(self.motions)
 
 
 @dataclass(frozen=True, eq=False)
@@ -192,7 +187,7 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     true = physical_from_phi(experiment.cart.inertia.phi)
     return Outcome(
         experiment=experiment,
-        time=np.asarray(CONTROL_PERIOD * np.arange(len(driven))),
+        time=np.asarray(CONTROL_PERIOD * np.arange(len(driven.motions))),
         mass=np.array(mass),
         std=np.array(std),
         errors=np.array(errors) - true,
@@ -201,8 +196,6 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     )
 
 
-def run_experiments(
-    runs: int, seed: int = 0, workers: int = 1, progress: Callable[[float], None] | None = None
-) -> list[Outcome]:
+def run_experiments(runs: int, seed: int = 0, workers: int = 1, progress: Progress = None) -> list[Outcome]:
     """All of them, over `workers` processes."""
     return run_all(partial(attempt, runs=runs, seed=seed), EXPERIMENTS, workers, progress)

@@ -40,29 +40,15 @@ def scatter(outcome: Outcome) -> float:
 
 def rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
     """By COLUMNS; CoM and inertia are rms errors."""
-    return [_row(outcome) for outcome in outcomes]
-
-
-def _row(outcome: Outcome) -> tuple[str, ...]:
-    what, rms = outcome.experiment, np.sqrt((outcome.errors**2).mean(axis=0))
-    bias, told = outcome.errors[:, 0].mean(), outcome.std[:, -1].mean()
-    sizes = (
-        f"{bias:+.2f}",
-        f"{scatter(outcome):.2f}",
-        f"{told:.2f}",
-        f"{outcome.bound:.2f}",
-        f"{inside(outcome).mean():.0%}",
-    )
-    inertia = 100 * rms[3] / what.cart.inertia.about_com
-    return (
-        what.name,
-        what.casters,
-        f"{what.mass:g}",
-        *sizes,
-        f"{100 * rms[1]:.1f}",
-        f"{100 * rms[2]:.1f}",
-        f"{inertia:.0f}",
-    )
+    told: list[tuple[str, ...]] = []
+    for outcome in outcomes:
+        what, bias = outcome.experiment, outcome.errors[:, 0].mean()
+        _, com_x, com_y, inertia = 100 * np.sqrt((outcome.errors**2).mean(axis=0))
+        sizes = scatter(outcome), outcome.std[:, -1].mean(), outcome.bound
+        mass = f"{bias:+.2f}", *(f"{size:.2f}" for size in sizes), f"{inside(outcome).mean():.0%}"
+        rest = f"{com_x:.1f}", f"{com_y:.1f}", f"{inertia / what.cart.inertia.about_com:.0f}"
+        told.append((what.name, what.casters, f"{what.mass:g}", *mass, *rest))
+    return told
 
 
 def reversal_errors(outcome: Outcome) -> Array:

@@ -8,7 +8,6 @@ from __future__ import annotations
 
 import json
 import time
-from collections.abc import Callable
 from dataclasses import asdict, dataclass
 from pathlib import Path
 from typing import Any
@@ -20,7 +19,7 @@ from ..errors import CartgraspError, UsageError
 from ..logs import read_log
 from ..writing import write_atomically
 from .claims import Claim
-from .parallel import run_all
+from .parallel import Progress, run_all
 
 COLUMNS = ("log", "verdict", "effects", "s")
 LOGS = ("run.csv", "run.parquet", "run.mcap")
@@ -64,7 +63,7 @@ def _log_of(folder: Path) -> Path:
     return there[0]
 
 
-def diagnose_all(folder: Path, workers: int = 1, progress: Callable[[float], None] | None = None) -> list[LogDiagnosis]:
+def diagnose_all(folder: Path, workers: int = 1, progress: Progress = None) -> list[LogDiagnosis]:
     return run_all(diagnose_one, log_folders(folder), workers, progress)
 
 

@@ -65,13 +65,11 @@ def _motion_rows(cart: CartModel, motion: TrueMotion, sensors: SensorNoise) -> c
     nu and the way."""
     n, f = motion.velocity.shape
     s, one = sensors, np.eye(f)
-    seen = [np.diag(1.0 / np.array(std)) @ cart.basis_b for std in _deviations(s)]
-    velocities, poses = kron(diags([1.0], shape=(n, n)), seen[1]), kron(diags([1.0], shape=(n, n)), seen[0])
+    deviations = [s.linear_velocity, s.linear_velocity, s.yaw_rate], [s.position, s.position, s.heading]
+    velocities, poses = (
+        kron(diags([1.0], shape=(n, n)), np.diag(1.0 / np.array(std)) @ cart.basis_b) for std in deviations
+    )
     mean = diags([0.5, 0.5], [0, 1], shape=(n - 1, n)) * -motion.period
     way = kron(diags([-1.0, 1.0], [0, 1], shape=(n - 1, n)), one)
     tied = hstack([kron(mean, one), way]) / KINEMATIC_STD
     return csc_matrix(vstack([block_diag([velocities, poses]), tied]))
-
-
-def _deviations(s: SensorNoise) -> tuple[list[float], list[float]]:
-    return [s.position, s.position, s.heading], [s.linear_velocity, s.linear_velocity, s.yaw_rate]

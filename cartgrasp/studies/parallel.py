@@ -9,15 +9,17 @@ from typing import TypeVar
 
 Job = TypeVar("Job")
 Result = TypeVar("Result")
+Progress = Callable[[float], None] | None
+"""Is told the share done."""
 
 
 def run_all(
     run: Callable[[Job], Result],
     jobs: Sequence[Job],
     workers: int = 1,
-    progress: Callable[[float], None] | None = None,
+    progress: Progress = None,
 ) -> list[Result]:
-    """`run` of each job, in their order, over `workers` processes (1: in this one); `progress` is told the share."""
+    """`run` of each job, in their order, over `workers` processes (1: in this one)."""
     results = []
     with ExitStack() as stack:
         mapped = map if workers == 1 else stack.enter_context(ProcessPoolExecutor(workers)).map

@@ -20,7 +20,6 @@ from planning import Plan, Skid, TipOver, WrenchPlanner
 from planning.references import PathReference, Stretch, pause
 from planning.tracking import build_tracker
 
-from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
 from ..first_guess import PHYSICAL_NAMES
@@ -33,7 +32,7 @@ from ..simulation.plant import ModelPlant
 from ..simulation.sensors import Sensors
 from .estimators import filter_noise
 from .parallel import run_all
-from .shopping_cart import SENSOR_NOISE, WHEELS
+from .shopping_cart import SENSOR_NOISE, WHEELS, two_hands
 
 NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"
 WAYS = (NOMINAL, ROBUST, CART_KNOWN)
@@ -41,6 +40,7 @@ CONFIDENCE, MIN_MARGIN_LOAD, FRICTION = 0.99, 15.0, 0.5
 LIMIT_TOLERANCE = 0.1
 """N: what the noise of the measured motion may do to a limit; less is not counted as broken."""
 CONTROL_PERIOD = 0.01
+ARMS = two_hands(0.2, (120.0, 60.0, 80.0), (12.0, 12.0, 12.0))
 PRIOR = Prior(mass=0.15, com=0.04, inertia=0.2, known=frozenset({"viscous_drag"}))
 FILTER_NOISE = filter_noise(SENSOR_NOISE)
 STRAIGHT_LAP = (Stretch(0.6, 1.0), Stretch(0.3, -2.0), *pause(0.1))
@@ -66,12 +66,6 @@ def drawn(seed: int) -> CartModel:
     guess, random = believed(), np.random.default_rng([seed, 5])
     mass, com_x, com_y, inertia = physical_from_phi(guess.inertia.phi) + random.normal(0.0, PRIOR.deviations(guess)[:4])
     return guess.with_inertia(Inertia(float(mass), (float(com_x), float(com_y)), float(inertia)))
-
-
-def arms() -> tuple[Arm, ...]:
-    force, moment = (120.0, 60.0, 80.0), (12.0, 12.0, 12.0)
-    places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
-    return tuple(Arm(name, [p], force_limit=force, moment_limit=moment) for name, p in places.items())
 
 
 @dataclass(frozen=True, eq=False)
@@ -130,11 +124,11 @@ def drive(seed: int, duration: float | None = None) -> Run:
     """One run, whole or of a duration (s): the plant, the filter and the three planners of a seed."""
     truth, guess = drawn(seed), believed()
     plant, sensors = ModelPlant(truth), Sensors(truth, SENSOR_NOISE, seed)
-    learner = CartFilter(guess, [arm.name for arm in arms()], noise=FILTER_NOISE, prior=PRIOR)
+    learner = CartFilter(guess, [arm.name for arm in ARMS], noise=FILTER_NOISE, prior=PRIOR)
     reference, tracker = PathReference(PATH, guess.rolling), build_tracker(guess.constraints)
     limits = (TipOver(MIN_MARGIN_LOAD), Skid(FRICTION))
     planners = [
-        WrenchPlanner(guess, arms(), cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
+        WrenchPlanner(guess, ARMS, cart_limits=limits, confidence=sure, relax=np.inf, period=CONTROL_PERIOD)
         for sure in (None, CONFIDENCE, None)
     ]
     ticks = []
@@ -167,7 +161,7 @@ def _tick(truth: CartModel, motion: Motion, plans: Sequence[Plan], estimate: Est
 
 def effort_of(wrenches: Mapping[str, Array]) -> float:
     """The effort of wrenches, N², with the weights that arms usually have."""
-    weights = np.array(arms()[0].weights)
+    weights = np.array(ARMS[0].weights)
     return float(sum(w**2 @ weights for w in wrenches.values()))
 
 

@@ -8,7 +8,7 @@ and the wrenches that it gets.
 
 from __future__ import annotations
 
-from collections.abc import Callable, Sequence
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from itertools import product
 from math import inf
@@ -18,7 +18,6 @@ import numpy as np
 from planning import Caution, Skid, TipOver
 from planning.references import PathReference, Stretch, pause
 
-from ..arms import Arm
 from ..constraints import RollingConstraints
 from ..contacts import ContactWrenches
 from ..effects import RollingResistance, ViscousDrag
@@ -32,10 +31,10 @@ from ..simulation.closed_loop import Loop, run
 from ..simulation.mujoco_plant import MujocoPlant
 from ..simulation.sensors import Sensors
 from ..wheels import CASTER, FIXED, Wheel
-from .parallel import run_all
+from .parallel import Progress, run_all
 from .robust_margins import CONFIDENCE, FRICTION, LIMIT_TOLERANCE, effort_of, room
 from .scenario import FIRST_GUESS, LEARNING, Scenario
-from .shopping_cart import FILTER_NOISE, SENSOR_NOISE
+from .shopping_cart import FILTER_NOISE, SENSOR_NOISE, two_hands
 
 BLIND, GUESSED, ESTIMATED, CONFIDENT, TRUTH_KNOWN = (
     *("no limits", "limits of the first guess", "limits of the estimate"),
@@ -49,6 +48,7 @@ MAX_ARRIVAL_DELAY = 10.0
 """s that such a cart may be late."""
 MIN_WHEEL_LOAD = 5.0
 LIMITS = (TipOver(MIN_WHEEL_LOAD), Skid(FRICTION))
+ARMS = two_hands(0.2, (150.0, 80.0, 80.0), (15.0, 15.0, 15.0))
 DISTURBANCE = 0.5
 """N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
 WHEELS = (
@@ -95,12 +95,6 @@ def _cart(values: Sequence[float] | Array, height: float) -> CartModel:
     mass, x, y, about = map(float, values)
     drags = ViscousDrag(2.0, 0.4), RollingResistance(0.015)
     return CartModel(Inertia(mass, (x, y), about), RollingConstraints(), drags, WHEELS, com_height=height)
-
-
-def arms() -> tuple[Arm, ...]:
-    force, moment = (150.0, 80.0, 80.0), (15.0, 15.0, 15.0)
-    places = {"left": (-0.25, 0.2, 1.0), "right": (-0.25, -0.2, 1.0)}
-    return tuple(Arm(name, [p], force_limit=force, moment_limit=moment) for name, p in places.items())
 
 
 @dataclass(frozen=True)
@@ -153,7 +147,7 @@ def scenario(truth: CartModel, guess: CartModel, way: str, seed: int) -> Scenari
     return Scenario(
         truth=truth,
         guess=replace(truth, first_guess=guess.first_guess) if way == TRUTH_KNOWN else guess,
-        arms=arms(),
+        arms=ARMS,
         stretches=PATH,
         sensors=SENSOR_NOISE,
         noise=replace(FILTER_NOISE, disturbance=DISTURBANCE),
@@ -197,6 +191,6 @@ def _drive(job: tuple[int, str]) -> Run:
     return drive(*job)
 
 
-def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Callable[[float], None] | None = None) -> list[Run]:
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Run]:
     """Every way with each cart, over `workers` processes."""
     return run_all(_drive, list(product(seeds, WAYS)), workers, progress)

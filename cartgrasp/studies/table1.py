@@ -7,7 +7,6 @@ on position (m), heading (rad) and their rates, exact wrenches. Trajectory 2 slo
 
 from __future__ import annotations
 
-from collections.abc import Callable
 from dataclasses import dataclass, replace
 
 import numpy as np
@@ -19,13 +18,13 @@ from planning.references import Stretch, chain, pause, speed_change, straight, t
 
 from ..arms import Arm
 from ..constraints import RollingConstraints
-from ..effects import Effect, PayloadChange, ViscousDrag
+from ..effects import PayloadChange, ViscousDrag
 from ..inertia import Inertia
 from ..model import CartModel
 from ..simulation.record import RunRecord
 from ..simulation.sensors import SensorNoise
-from .parallel import run_all
-from .scenario import FIRST_GUESS, LEARNING, PAPER, Scenario, total_duration
+from .parallel import Progress, run_all
+from .scenario import FIRST_GUESS, LEARNING, PAPER, Scenario, scaled, total_duration
 
 TEST_DURATION = 30.0
 TRUE_MASS, TRUE_INERTIA = 20.0, 2.0
@@ -81,12 +80,10 @@ def trajectory(number: int) -> tuple[Stretch, ...]:
 def scenario(row: Row, estimation: str = LEARNING, seed: int = 0) -> Scenario:
     """The run of a row."""
     drag = ViscousDrag(linear=3.0, angular=1.2)
-    steps: tuple[Effect, ...] = ()
-    if row.mass_steps:
-        steps = tuple(
-            PayloadChange(time=time, mass=mass, x=x, y=y, label=f"step{i + 1}")
-            for i, (time, mass, x, y) in enumerate(MASS_STEPS)
-        )
+    steps = [
+        PayloadChange(time=time, mass=mass, x=x, y=y, label=f"step{i}")
+        for i, (time, mass, x, y) in enumerate(MASS_STEPS if row.mass_steps else (), 1)
+    ]
     sigma = row.noise
     return Scenario(
         truth=CartModel(Inertia(TRUE_MASS, row.com, TRUE_INERTIA), RollingConstraints(), (drag, *steps)),
@@ -122,15 +119,12 @@ class RowResult:
 
 
 def run_rows(
-    rows: tuple[Row, ...] = ROWS, seed: int = 0, workers: int = 1, progress: Callable[[float], None] | None = None
+    rows: tuple[Row, ...] = ROWS, seed: int = 0, workers: int = 1, progress: Progress = None
 ) -> list[RowResult]:
     """Every row in every mode, over `workers` processes."""
     jobs = [scenario(row, mode, seed + row.test) for row in rows for mode in ESTIMATION_MODES]
-    records = run_all(Scenario.run, jobs, workers, progress)
-    return [
-        RowResult(row, dict(zip(ESTIMATION_MODES, records[i : i + len(ESTIMATION_MODES)], strict=True)))
-        for row, i in zip(rows, range(0, len(records), len(ESTIMATION_MODES)), strict=True)
-    ]
+    records = iter(run_all(Scenario.run, jobs, workers, progress))
+    return [RowResult(row, {mode: next(records) for mode in ESTIMATION_MODES}) for row in rows]
 
 
 def gain_curve(scales: tuple[float, ...], seed: int = 0) -> list[tuple[float, float]]:
@@ -138,9 +132,6 @@ def gain_curve(scales: tuple[float, ...], seed: int = 0) -> list[tuple[float, fl
     curve = []
     for scale in scales:
         base = scenario(ROWS[0], FIRST_GUESS, seed)
-        g = base.gains
-        gains = replace(
-            g, along=g.along * scale, across=g.across * scale**2, heading=g.heading * scale, velocity=g.velocity * scale
-        )
+        gains = scaled(base.gains, scale)
         curve.append((scale, float(replace(base, gains=gains, duration=12.0).run().tracking_error.max())))
     return curve

@@ -69,11 +69,6 @@ def compiled_run(scenario: Scenario) -> RunRecord:
     return with_truth(_Run(scenario).record(), scenario.truth)
 
 
-def _core(scenario: Scenario) -> LearningFilter:
-    names, yaws = [arm.name for arm in scenario.arms], {arm.name: arm.yaw for arm in scenario.arms}
-    return core_of((scenario.guess, names, scenario.noise, scenario.prior, yaws))
-
-
 def _allocation(scenario: Scenario) -> CompiledAllocation | None:
     template = AllocationTemplate.of(scenario.guess, scenario.arms)
     return CompiledAllocation.of(template, template.cost(np.zeros(template.n)))
@@ -92,9 +87,10 @@ class _Run:
 
     def __init__(self, scenario: Scenario) -> None:
         self.scenario, truth = scenario, scenario.truth
-        core, allocation = _core(scenario), _allocation(scenario)
+        self.names, yaws = [arm.name for arm in scenario.arms], {arm.name: arm.yaw for arm in scenario.arms}
+        self.core: LearningFilter = core_of((scenario.guess, self.names, scenario.noise, scenario.prior, yaws))
+        allocation = _allocation(scenario)
         assert allocation is not None
-        self.core, self.names = core, [arm.name for arm in scenario.arms]
         self.course = inputs_of(scenario)
         state = truth.state()
         self.series = noise_of(scenario, self.course.time, len(state))
@@ -103,7 +99,7 @@ class _Run:
         self.held = self._held(state)
         self.at: Ints = np.array([0, tick.STAGE_TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
-        self.known = [Belief(0, core.learner.theta, core.learner.reported_covariance)]
+        self.known = [Belief(0, self.core.learner.theta, self.core.learner.reported_covariance)]
 
     # --- to the end -------------------------------------------------------------------------------------------
 
