@@ -60,6 +60,7 @@ GRIPS: dict[int, dict[str, tuple[float, ...]]] = {
 }
 """y of the places where each of so many hands may hold, the middle's first, m."""
 MIN_HAND_DISTANCE, COM_X, GYRATION_RADIUS = 0.15, 0.4, 0.33  # m
+MOMENT_WEIGHT = 10.0  # in the effort, beside that of forces, 1
 WRENCH_NOISE = WrenchNoise(SENSOR_NOISE.force, SENSOR_NOISE.moment)
 FIRST_GUESS_STD = FirstGuess((("mass", 25.0), ("com_x", 0.15), ("com_y", 0.15), ("inertia", 3.0)))
 START, STOP = (*speed_change(0.6), *pause(1.0)), (*speed_change(-0.6), *pause(1.2))
@@ -79,7 +80,7 @@ def cart(mass: float, aside: float) -> CartModel:
     return CartModel(inertia, RollingConstraints(), drags, WHEELS, com_height=0.45, name=f"truck of {mass:g} kg")
 
 
-def arms(hands: int, grips: Sequence[float] | None = None, moment_weight: float = 10.0) -> tuple[Arm, ...]:
+def arms(hands: int, grips: Sequence[float] | None = None, moment_weight: float = MOMENT_WEIGHT) -> tuple[Arm, ...]:
     """At all places of the handle, or each at one of `grips`, m."""
     force, moment = (120.0, 80.0, 40.0), (20.0, 20.0, 20.0)
     weights = (1.0, 1.0, 1.0, moment_weight, moment_weight, moment_weight)
@@ -252,7 +253,7 @@ def best_grips(truth: CartModel, hands: Sequence[Arm]) -> list[float]:
     return [float(y) for y in lookahead.family.choices[best][:, 1]]
 
 
-def best_by_statics(aside: float, hands: int, moment_weight: float = 10.0) -> tuple[float, float]:
+def best_by_statics(aside: float, hands: int, moment_weight: float = MOMENT_WEIGHT) -> tuple[float, float]:
     """The rms force and the effort in the best place, as shares of those in the middle, along the exact path and
     without limits."""
     truth, path = cart(40.0, aside), PathReference(PATH)

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
+from functools import partial
 from itertools import product
 from math import isfinite
 from typing import Any
@@ -21,6 +22,7 @@ from .effort import (
     KNOWLEDGE,
     LEARNED,
     MIDDLE_PLACE,
+    MOMENT_WEIGHT,
     USUAL_LOAD_KEPT,
     WRONG_GUESS_KEPT,
     Comparison,
@@ -74,11 +76,12 @@ def claims(found: Sequence[Comparison]) -> list[Claim]:
     offset = [one for one in found if one.job.aside >= 0.1]
     off = [(one, way) for one in found for way in (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT) if _is_off(one, way)]
     missed = sum(not one.paid[way, MIDDLE_PLACE].is_equal(one.error) for one, way in off)
-    dearer = [one.paid[way, MIDDLE_PLACE].force / one.paid[BASELINE].force for one, way in off]
-    dearer = [share for share in dearer if isfinite(share)]
+    forces = [one.paid[way, MIDDLE_PLACE].force / one.paid[BASELINE].force for one, way in off]
+    dearer = [force for force in forces if isfinite(force)]
     kept = [1 / s for way in (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT) for s in shares(found, "force", (way, MIDDLE_PLACE))]
     chosen, best = (shares(offset, "force", (LEARNED, place)) for place in (CHOSEN_PLACE, BEST_PLACE))
     effort = shares(offset, "effort", (LEARNED, BEST_PLACE))
+    wished = partial(_at_most, most=MAX_FORCE_RATIO, promised=False)
     both = [s for one in offset if one.job.hands == 2 for s in shares([one], "effort", (LEARNED, CHOSEN_PLACE))]
     return [
         Claim(
@@ -95,15 +98,9 @@ def claims(found: Sequence[Comparison]) -> list[Claim]:
             bool(np.median(dearer) >= 1.1),
             promised=False,
         ),
-        _at_most(
-            "learned", "20 % less rms force than a guess kept that has its error", kept, MAX_FORCE_RATIO, promised=False
-        ),
-        _at_most(
-            "offset CoM", "chosen places: 20 % less rms force than the middle", chosen, MAX_FORCE_RATIO, promised=False
-        ),
-        _at_most(
-            "offset CoM", "the best place by the truth: 20 % less rms force", best, MAX_FORCE_RATIO, promised=False
-        ),
+        wished("learned", "20 % less rms force than a guess kept that has its error", kept),
+        wished("offset CoM", "chosen places: 20 % less rms force than the middle", chosen),
+        wished("offset CoM", "the best place by the truth: 20 % less rms force", best),
         _at_most("offset CoM", "the best place by the truth: 10 % less effort", effort, 0.9),
         _at_most("offset CoM, two hands", "chosen places: less effort than the middle", both, 1.0),
     ]
@@ -181,10 +178,8 @@ def _cell(paid: RunCost, error: float) -> str:
 
 
 def _static_row(hands: int, alone: bool) -> tuple[str, ...]:
-    found = [
-        best_by_statics(aside, hands, FORCE_ONLY_MOMENT_WEIGHT) if alone else best_by_statics(aside, hands)
-        for aside in STATIC_COM_OFFSETS
-    ]
+    weight = FORCE_ONLY_MOMENT_WEIGHT if alone else MOMENT_WEIGHT
+    found = [best_by_statics(aside, hands, weight) for aside in STATIC_COM_OFFSETS]
     name = f"{hands}, that give {'forces alone' if alone else 'moments, too'}"
     return name, *(f"{force:.2f}; {effort:.2f}" for force, effort in found)
 
@@ -201,13 +196,11 @@ def _draw_places(axes: Any, found: Sequence[Comparison]) -> None:
 
 def _draw_knowledge(axes: Any, found: Sequence[Comparison]) -> None:
     for k, knowledge in enumerate((WRONG_GUESS_KEPT, USUAL_LOAD_KEPT)):
-        ways = [
-            (one, one.paid[knowledge, MIDDLE_PLACE])
-            for one in found
-            if isfinite(one.paid[knowledge, MIDDLE_PLACE].error)
-        ]
-        force = [paid.force / one.paid[BASELINE].force for one, paid in ways]
-        axes.semilogx([p.error / one.error for one, p in ways], force, "ox"[k], color=OKABE_ITO[2 + k], label=knowledge)
+        stood = [one for one in found if isfinite(one.paid[knowledge, MIDDLE_PLACE].error)]
+        paid = [one.paid[knowledge, MIDDLE_PLACE] for one in stood]
+        error = [way.error / one.error for way, one in zip(paid, stood, strict=True)]
+        force = [way.force / one.paid[BASELINE].force for way, one in zip(paid, stood, strict=True)]
+        axes.semilogx(error, force, "ox"[k], color=OKABE_ITO[2 + k], label=knowledge)
     axes.axhline(1.0, color="0.6", linewidth=0.8)
     axes.axvline(1.0, color="0.6", linewidth=0.8)
     axes.set_ylabel("Share of the learned\ncart's rms force")

@@ -145,18 +145,15 @@ def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:
 def way_information(way: str) -> Array:
     """Information (p, p) at the end, the prior's included, of a drive along the way's own reference."""
     if way in ALLOWANCES:
-        return plan_information(excitation(ALLOWANCES[way]))
+        plan = excitation(ALLOWANCES[way])
+        return information_along(plan.reference, plan)
     base = scenario(way, 0)
     source = PeriodicContacts(base.arms, DWELL_TIME) if way == PERIODIC_WAY else FixedContacts(base.arms)
-    return _information(PathReference(base.stretches, base.truth.rolling), source)
+    return information_along(PathReference(base.stretches, base.truth.rolling), source)
 
 
-def plan_information(plan: ExcitationPlan) -> Array:
-    """Information (p, p) at the end of a drive along a plan, the prior's included."""
-    return _information(plan.reference, plan)
-
-
-def _information(reference: ReferencePath, source: ContactSource) -> Array:
+def information_along(reference: ReferencePath, source: ContactSource) -> Array:
+    """Information (p, p) at the end of a drive along a reference, held where `source` says, the prior's included."""
     base = scenario(FIXED_WAY, 0)
     cart = base.truth
     times = (np.arange(round(reference.duration * WRENCH_NOISE.rate)) + 0.5) / WRENCH_NOISE.rate

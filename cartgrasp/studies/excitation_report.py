@@ -26,7 +26,7 @@ from .excitation import (
     PERIODIC_WAY,
     Drive,
     excitation,
-    plan_information,
+    information_along,
     scenario,
     way_information,
 )
@@ -58,8 +58,9 @@ def price_rows() -> list[tuple[str, ...]]:
     for allowance in PRICED_ALLOWANCES:
         plan = excitation(allowance)
         effort = sum(w.effort * (w.window[1] - w.window[0]) for w in plan.windows)
-        cells = (f"{allowance.effort:g}", f"{100 * allowance.offset:g}")
-        found.append((*cells, *(f"{sd:.3g}" for sd in _bounds(plan_information(plan))), f"{effort:.0f}"))
+        allowed = (f"{allowance.effort:g}", f"{100 * allowance.offset:g}")
+        deviations = (f"{sd:.3g}" for sd in _bounds(information_along(plan.reference, plan)))
+        found.append((*allowed, *deviations, f"{effort:.0f}"))
     return found
 
 

@@ -13,7 +13,7 @@ from ..frames import Array
 from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
 from .claims import Claim
-from .hardware import HEAVY_EXPERIMENTS, STRAIGHT_EXPERIMENTS, WITH_CASTERS, Outcome
+from .hardware import HEAVY_EXPERIMENTS, REVERSAL_EXPERIMENTS, STRAIGHT_EXPERIMENTS, WITH_CASTERS, Experiment, Outcome
 
 COLUMNS = (
     *("experiment", "model", "mass kg", "bias kg", "sd kg", "told sd kg", "bound kg", "in 95 % interval"),
@@ -67,7 +67,7 @@ def reversal_errors(outcome: Outcome) -> Array:
 def reversal_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
     """By REVERSAL_COLUMNS."""
     told: list[tuple[str, ...]] = []
-    for outcome in _of(outcomes, "E5"):
+    for outcome in _of(outcomes, REVERSAL_EXPERIMENTS):
         for begin, (mean, rms, std) in zip(outcome.reversals, reversal_errors(outcome), strict=True):
             told.append((outcome.experiment.casters, f"{begin:.1f}", f"{mean:+.2f}", f"{rms:.2f}", f"{std:.2f}"))
     return told
@@ -75,13 +75,13 @@ def reversal_rows(outcomes: Sequence[Outcome]) -> list[tuple[str, ...]]:
 
 def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     """This project's: of straight runs, of reversals with the casters in the model, and of heavy loads."""
-    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT_EXPERIMENTS))
+    straight = _of(outcomes, STRAIGHT_EXPERIMENTS)
     ratios = [scatter(outcome) / outcome.bound for outcome in straight]
     biases = [float(outcome.errors[:, 0].mean()) for outcome in straight]
     covered = float(np.mean([inside(outcome) for outcome in straight]))
-    errors = [reversal_errors(one) for one in _of(outcomes, "E5") if one.experiment.casters == WITH_CASTERS]
-    reversed_by = float(np.abs(np.concatenate(errors)[:, 0]).max())
-    heavy = _of(outcomes, *(experiment.name for experiment in HEAVY_EXPERIMENTS))
+    swinging = [one for one in _of(outcomes, REVERSAL_EXPERIMENTS) if one.experiment.casters == WITH_CASTERS]
+    reversed_by = float(np.abs(np.concatenate([reversal_errors(one) for one in swinging])[:, 0]).max())
+    heavy = _of(outcomes, HEAVY_EXPERIMENTS)
     com = [float(np.sqrt((outcome.errors[:, 1:3] ** 2).mean(axis=0)).max()) for outcome in heavy]
     low, high = COVERAGE_RANGE
     return [
@@ -115,9 +115,9 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
 
 def paper_claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     """The paper's, of its Fig. 9."""
-    straight = _of(outcomes, *(experiment.name for experiment in STRAIGHT_EXPERIMENTS))
+    straight = _of(outcomes, STRAIGHT_EXPERIMENTS)
     errors = [float(np.abs(outcome.errors[:, 0]).mean()) for outcome in straight]
-    without = [one for one in _of(outcomes, "E5") if one.experiment.casters != WITH_CASTERS]
+    without = [one for one in _of(outcomes, REVERSAL_EXPERIMENTS) if one.experiment.casters != WITH_CASTERS]
     over = [float(reversal_errors(one)[:, 0].max()) for one in without]
     return [
         Claim(
@@ -137,8 +137,8 @@ def paper_claims(outcomes: Sequence[Outcome]) -> list[Claim]:
     ]
 
 
-def _of(outcomes: Sequence[Outcome], *names: str) -> list[Outcome]:
-    return [outcome for outcome in outcomes if outcome.experiment.name in names]
+def _of(outcomes: Sequence[Outcome], experiments: Sequence[Experiment]) -> list[Outcome]:
+    return [outcome for outcome in outcomes if outcome.experiment in experiments]
 
 
 def as_dict(outcome: Outcome) -> dict[str, object]:
@@ -179,8 +179,9 @@ def draw_mass(axes: Axes, outcome: Outcome) -> None:
 def figure_hardware(outcomes: Sequence[Outcome]) -> Figure:
     """A page, two experiments a row."""
     with house_style():
-        figure = Figure(figsize=(7.2, 1.9 * ((len(outcomes) + 1) // 2)), layout="constrained")
-        panels = np.ravel(figure.subplots((len(outcomes) + 1) // 2, 2))
+        n_rows = (len(outcomes) + 1) // 2
+        figure = Figure(figsize=(7.2, 1.9 * n_rows), layout="constrained")
+        panels = figure.subplots(n_rows, 2).ravel()
         for axes, outcome in zip(panels, outcomes, strict=False):
             draw_mass(axes, outcome)
             axes.set(xlabel="Time (s)", ylabel="Mass (kg)")

@@ -22,7 +22,6 @@ from planning.tracking import build_tracker
 
 from ..constraints import RollingConstraints
 from ..effects import ViscousDrag
-from ..first_guess import PHYSICAL_NAMES
 from ..floor_reaction import FloorReaction
 from ..frames import Array
 from ..inertia import Inertia, physical_from_phi
@@ -72,7 +71,7 @@ def drawn(seed: int) -> CartModel:
 class Tick:
     """One tick; sequences are in the order of WAYS. `room` is how far the true cart is inside its limits (N; negative:
     beyond), `at_limit` whether a limit of the cart was active. Also the margins' largest `reserve` (N), and the
-    filter's deviations."""
+    filter's deviation of the CoM (m)."""
 
     time: float
     statuses: tuple[str, ...]
@@ -80,7 +79,7 @@ class Tick:
     room: Array
     at_limit: tuple[bool, ...]
     reserve: float
-    std: Array
+    com_x_std: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -112,7 +111,7 @@ class Run:
     @property
     def com_x_std(self) -> Array:
         """(n,), m."""
-        return np.array([tick.std[1] for tick in self.ticks])
+        return np.array([tick.com_x_std for tick in self.ticks])
 
     @property
     def is_hard(self) -> np.ndarray:
@@ -155,7 +154,7 @@ def _tick(truth: CartModel, motion: Motion, plans: Sequence[Plan], estimate: Est
         room=np.array([room(truth, motion, one.spatial_wrench_b, MIN_MARGIN_LOAD) for one in given]),
         at_limit=tuple(any("skid" in name or "wheel" in name for name in plan.active) for plan in plans),
         reserve=_reserve(plans[1]),
-        std=np.array([estimate.parameters[name].std for name in PHYSICAL_NAMES]),
+        com_x_std=estimate.parameters["com_x"].std,
     )
 
 

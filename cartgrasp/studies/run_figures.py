@@ -32,15 +32,14 @@ class RunFigures:
     @classmethod
     def of(cls, record: RunRecord) -> RunFigures:
         error = record.tracking_error
+        late = error[record.time >= TRACKING_SETTLING_TIME]
         contacts = [arm.contact for arm in record.log.arms.values()]
         forces = [np.linalg.norm(w[:, :3], axis=1).max() for w in record.wrenches.values()]
         return cls(
             duration=float(record.time[-1]),
             largest_error=float(error.max()),
             rms_error=float(np.sqrt((error**2).mean())),
-            error_after_5=float(error[record.time >= TRACKING_SETTLING_TIME].max())
-            if record.time[-1] >= TRACKING_SETTLING_TIME
-            else float("nan"),
+            error_after_5=float(late.max()) if len(late) else float("nan"),
             plans=len(record.statuses),
             optimal=sum(status == "optimal" for status in record.statuses),
             regrasps=sum(_regrasps(contact) for contact in contacts),

@@ -27,6 +27,8 @@ def over_cores(count: int) -> Workers:
     """Over so many processes. When one is killed, what was under way is done again."""
 
     def done(jobs: Sequence[Job]) -> Iterator[JobResult]:
+        from joblib.externals.loky.process_executor import TerminatedWorkerError
+
         left, losses = {job.key: job for job in jobs}, 0
         while left:
             before = len(left)
@@ -34,7 +36,7 @@ def over_cores(count: int) -> Workers:
                 for one in _in_processes(list(left.values()), count):
                     del left[one.key]
                     yield one
-            except _worker_lost():
+            except TerminatedWorkerError:
                 losses = losses + 1 if len(left) == before else 0
                 if losses == MAX_WORKER_LOSSES:
                     why = "is there memory enough? try fewer with --workers"
@@ -70,13 +72,6 @@ def _in_processes(jobs: Sequence[Job], count: int) -> Iterator[JobResult]:
     with parallel_config(backend="loky", inner_max_num_threads=1):
         parallel = Parallel(n_jobs=min(count, len(jobs)), return_as="generator_unordered", batch_size=1)
         yield from parallel(delayed(work)(job, version) for job in jobs)
-
-
-def _worker_lost() -> type[BaseException]:
-    from joblib.externals.loky.process_executor import TerminatedWorkerError
-
-    lost: type[BaseException] = TerminatedWorkerError
-    return lost
 
 
 def _client(address: str) -> Any:

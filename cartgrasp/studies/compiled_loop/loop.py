@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
 from functools import cached_property
 from typing import NamedTuple
 
@@ -28,7 +27,7 @@ from ...frames import Array, body_to_world
 from ...inertia import N_PHI, physical_jacobian
 from ...kernels.jit import Ints
 from ...logs.run_log import ArmLog, RunLog
-from ...motion import Measurement, ParameterEstimate
+from ...motion import Measurement
 from ...simulation.plant import MAX_STEP
 from ...simulation.record import RunRecord
 from ...simulation.record import Series as Estimated
@@ -107,9 +106,8 @@ class _Run:
         s = self.scenario
         stable = MAX_STEP_STIFFNESS if s.truth.effects else np.inf
         limits = s.period, s.plant_timestep or MAX_STEP, stable
-        while (
-            code := tick.run_steps(self.course, self.blocks, self.held, self.series, self.at, limits)
-        ) != tick.RUN_DONE:
+        given = self.course, self.blocks, self.held, self.series, self.at, limits
+        while (code := tick.run_steps(*given)) != tick.RUN_DONE:
             if code == tick.ROW_DUE:
                 self._take_row()
             elif code == tick.PLAN_MISSING:
@@ -198,6 +196,8 @@ class _Run:
         steps = np.diff(np.append(steps, len(course.time)))
         partials, of_phi = physical_jacobian(theta[:, :N_PHI])[:, 1:3], covariance[:, :N_PHI, :N_PHI]
         headings = [i for i, name in enumerate(truth.state_names) if "heading" in name]
+        report = of_cart(self.core.learner.report, self.scenario.guess)
+        values, std = (np.repeat(part, steps, axis=0) for part in self.core.learner.reporter.numbers(theta, covariance))
         return RunRecord(
             log=RunLog(course.time, series.pose, velocity, arms),
             cart=self.scenario.guess,
@@ -206,21 +206,12 @@ class _Run:
             reference_pose=course.pose,
             reference_velocity=course.velocity,
             wrenches=self._by_arm(series.wrenches),
-            parameters=self._estimated(steps, theta, covariance),
+            parameters={
+                name: Estimated(values[:, i], std[:, i], None, one.unit) for i, (name, one) in enumerate(report.items())
+            },
             caster_headings=series.state[:, headings] if headings else None,
             statuses=tuple(self.statuses),
-            identifiable={name: one.identifiable for name, one in self._report.items()},
+            identifiable={name: one.identifiable for name, one in report.items()},
             healths=(str(overall_health(said_of(self.core.motion.now.health), self.core.learner.health)),),
             com_covariance=np.repeat(partials @ of_phi @ np.swapaxes(partials, 1, 2), steps, axis=0),
         )
-
-    def _estimated(self, steps: Ints, theta: Array, covariance: Array) -> dict[str, Estimated]:
-        """Each parameter over time."""
-        reporter = self.core.learner.reporter
-        values, std = (np.repeat(part, steps, axis=0) for part in reporter.numbers(theta, covariance))
-        found = self._report.items()
-        return {name: Estimated(values[:, i], std[:, i], None, one.unit) for i, (name, one) in enumerate(found)}
-
-    @property
-    def _report(self) -> Mapping[str, ParameterEstimate]:
-        return of_cart(self.core.learner.report, self.scenario.guess)
