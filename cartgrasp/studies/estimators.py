@@ -10,7 +10,7 @@ from __future__ import annotations
 import math
 import time
 from collections.abc import Sequence
-from dataclasses import astuple, dataclass
+from dataclasses import dataclass
 
 import numpy as np
 
@@ -131,8 +131,10 @@ def shared(wrench_b: Array) -> ContactWrenches:
 
 
 def filter_noise(sensors: SensorNoise) -> FilterNoise:
-    """What an estimator is told: the six deviations of the sensors, and little beside."""
-    return FilterNoise(*astuple(sensors)[:6], disturbance=0.02, slip=0.0001)
+    """What an estimator is told."""
+    s = sensors
+    known = (s.position, s.heading, s.linear_velocity, s.yaw_rate, s.force, s.moment)
+    return FilterNoise(*known, disturbance=0.02, slip=0.0001)
 
 
 def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:

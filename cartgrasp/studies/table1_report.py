@@ -189,10 +189,9 @@ def save_plots(results: Sequence[RowResult], curve: Sequence[tuple[float, float]
 
 def figure_table1(results: Sequence[RowResult]) -> Figure:
     """A page: tracking as in Fig. 4, mass as in Fig. 5 and 6, and CoM and inertia where the path has curves."""
-    low_noise, others = [], []
-    for result in results:
-        is_calm = result.row.noise <= LOW_NOISE and not result.row.mass_steps
-        (low_noise if is_calm else others).append(result)
+    calm = {r.row.test for r in results if r.row.noise <= LOW_NOISE and not r.row.mass_steps}
+    low_noise = [result for result in results if result.row.test in calm]
+    others = [result for result in results if result.row.test not in calm]
     curves = [result for result in results if result.row.trajectory == CURVED_TRAJECTORY]
     with house_style():
         figure = Figure(figsize=(7.2, 6.6), layout="constrained")
