@@ -21,7 +21,7 @@ from planning.tick.compiled_allocation import CompiledAllocation
 
 from ...bounce import walls_of
 from ...compiled_dynamics import MAX_STEP_STIFFNESS
-from ...effects.wheel_force import WheelForce
+from ...effects.compiled import WheelForce
 from ...errors import PlantError
 from ...frames import Array, body_to_world
 from ...inertia import N_PHI, physical_jacobian
