@@ -5,7 +5,7 @@ from __future__ import annotations
 import pytest
 
 from cartgrasp.studies import disturbances
-from cartgrasp.studies import disturbances_figures_of_merit as merits
+from cartgrasp.studies import disturbances_report as merits
 from cartgrasp.studies.claims import Claim
 
 from .commands import run

@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cartgrasp.studies import excitation, excitation_plots
-from cartgrasp.studies import excitation_figures_of_merit as merits
+from cartgrasp.studies import excitation
+from cartgrasp.studies import excitation_report as merits
 from cartgrasp.studies.claims import Claim
 
 from .commands import run
@@ -26,7 +26,7 @@ def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status, as_json):
     monkeypatch.setattr(merits, "price_rows", lambda: [tuple("1234567")])
     monkeypatch.setattr(merits, "rows", lambda drives: [(d, *"123456") for d in drives])
     monkeypatch.setattr(merits, "as_dict", lambda drive: {"way": drive, "effort": np.pi})
-    monkeypatch.setattr(excitation_plots, "save_plots", lambda *a: None)
+    monkeypatch.setattr(merits, "save_plots", lambda *a: None)
     flags = ["--json"] if as_json else []
     answer = run(capsys, "study", "excitation", "--seeds", "2", "--seed", "7", "--out", tmp_path / "x", *flags)
     assert answer.status == status

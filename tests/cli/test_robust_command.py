@@ -5,8 +5,8 @@ from __future__ import annotations
 import numpy as np
 import pytest
 
-from cartgrasp.studies import robust_margins, robust_margins_plots
-from cartgrasp.studies import robust_margins_figures_of_merit as merits
+from cartgrasp.studies import robust_margins
+from cartgrasp.studies import robust_margins_report as merits
 from cartgrasp.studies.claims import Claim
 
 from .commands import run
@@ -25,7 +25,7 @@ def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status, as_json):
     monkeypatch.setattr(merits, "claims", lambda runs: [Claim("here", "less", "0.5", holds)])
     monkeypatch.setattr(merits, "rows", lambda runs: [(one, *"123456") for one in runs])
     monkeypatch.setattr(merits, "as_dict", lambda one: {"seed": one, "margin": np.pi})
-    monkeypatch.setattr(robust_margins_plots, "save_plots", lambda *a: None)
+    monkeypatch.setattr(merits, "save_plots", lambda *a: None)
     flags = ["--json"] if as_json else []
     answer = run(capsys, "study", "robust", "--seeds", "2", "--seed", "7", "--out", tmp_path / "x", *flags)
     assert answer.status == status
