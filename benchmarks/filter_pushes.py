@@ -1,11 +1,12 @@
-"""`python -m benchmarks.filter_pushes [--seeds 0:100] [--only nothing|push|load|floor]`: what the online filter makes
-of pushes that no arm gave, of loads, and of other floors.
+"""`python -m benchmarks.filter_pushes [--seeds 0:100] [--only nothing|push|load|floor|ramp]`: what the online filter
+makes of pushes that no arm gave, of loads, of other floors, and of ramps.
 
 Carts of 10 to 80 kg with drag and rolling resistance, first guesses from half to twice the mass, sensors as told. Once
 in a run, after 3 to 8 s of 14, something of 10 to 60 N pushes for 0.2 to 1 s from anywhere, or a tenth to four tenths
 of the mass are put on (taken off in three of ten), or the floor is rougher for 1 to 8 s (coefficients 0.01 to 0.05
-more); in sound runs nothing happens. A tick is sure and wrong where the mass is said to be identifiable under a health
-of `ok`, and is off by more than 3 % and four deviations.
+more), or slopes from there on for as long (by 0.02 to 0.08, most of it along the way); in sound runs nothing happens.
+A tick is sure and wrong where the mass is said to be identifiable under a health of `ok`, and is off by more than 3 %
+and four deviations.
 """
 
 from __future__ import annotations
@@ -17,6 +18,7 @@ import numpy as np
 
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import PayloadChange
+from cartgrasp.frames import rotation_planar
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
@@ -28,7 +30,7 @@ from estimation.whole_log.replay import replay
 
 from .filter_faults import between, resistances
 
-NOTHING, PUSH, LOAD, FLOOR = KINDS = "nothing", "push", "load", "floor"
+NOTHING, PUSH, LOAD, FLOOR, RAMP = KINDS = "nothing", "push", "load", "floor", "ramp"
 LASTING = 14.0
 OFF, DEVIATIONS, SETTLED = 0.03, 4.0, 0.05
 
@@ -59,10 +61,17 @@ def drive(seed: int, kind: str) -> Run:
     pushes = [Push(force * np.array([np.cos(angle), np.sin(angle), 0.0]), point)]
     rough, stretch = between(random, 0.01, 0.05) * GRAVITY * mass, between(random, 1.0, 8.0)
 
+    grade, across = between(random, 0.02, 0.08) * float(random.choice([-1.0, 1.0])), float(random.normal(0.0, 0.01))
+    begun: list[np.ndarray] = []  # the ramp's rise over run (2,) in the world, once the cart is on it
+
     def outside(time: float, motion: Motion) -> list[Push]:
         if kind == FLOOR and at <= time < at + stretch:
             drag = -rough * np.tanh(motion.velocity[0] / 0.01)
             return [Push(np.array([drag, 0.0, 0.0]), np.array([*com, 0.0]))]
+        if kind == RAMP and at <= time < at + stretch:
+            turn = rotation_planar(motion.pose_sb[2])
+            begun.extend([] if begun else [turn @ [grade, across]])
+            return [Push(np.array([*(-GRAVITY * mass * turn.T @ begun[0]), 0.0]), np.array([*com, 0.0]))]
         return pushes if kind == PUSH and at <= time < at + lasting else []
 
     truth = _cart(mass, com, drags, PayloadChange(at, load, 0.2, 0.1) if kind == LOAD else None)

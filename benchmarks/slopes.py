@@ -7,8 +7,9 @@ runs whose health is `ok`, and of those the rms of (error / deviation) of each p
 said to be identifiable; and the median deviation of mass and CoM, and of the rolling resistance over its value.
 
 With `--constants` the prior's slope is taken 30 % less and more, as are the bounds of a slope. With `--data` measured
-logs (`benchmarks.measured`) are gone through in place of that, from masses that are 0.6, 1 and 1.6 times the first
-guess: told are the mass at last, the last health, and the share of samples at which it was `ok`.
+logs (`benchmarks.measured`) are gone through in place of that, by both filters, from masses that are 0.6, 1 and 1.6
+times the first guess: told are the mass at last, the last health, the share of samples at which it was `ok`, and that
+at which the mass was said to be identifiable and is more than three deviations from what is known of it.
 """
 
 from __future__ import annotations
@@ -28,7 +29,7 @@ from cartgrasp.logs import read_log
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.studies.shopping_cart import WHEELS
-from estimation import CartFilter, FilterNoise, Prior
+from estimation import FilterNoise, Prior
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.whole_log.replay import replay
 from planning import Controller, PathReference, chain, pause, straight
@@ -36,6 +37,7 @@ from planning.references import speed_change, turn
 
 from .measured.carts import guessed
 from .measured.logs import LOGS
+from .measured.truths import Interval
 from .wrong_motion import FILTERS, ticks
 
 PATHS = {
@@ -45,6 +47,7 @@ PATHS = {
 TIMES = 2.0, 5.0, 18.0
 """s."""
 HOLDS = (("left", 0.2), ("right", -0.2))
+DEVIATIONS = 3.0
 NAMES = "mass", "com_x", "com_y", "inertia", "rolling_resistance.coefficient"
 HEADER = ("floor", "path", "filter", "prior's slope", "s", "`ok`", *NAMES, "largest", "mass ±", "CoM ±", "resistance ±")
 
@@ -103,23 +106,31 @@ def rows(seeds: Sequence[int], priors: dict[str, Prior], kinds: Sequence[str]) -
 
 def measured(data: Path) -> Iterator[tuple[str, ...]]:
     """What is learned from logs with forces, with a rolling resistance in the model and without."""
-    for one, has_resistance, slope in product(LOGS, (False, True), (0.0, Prior().slope)):
-        if "force" not in one.has:
+    settings = product(LOGS, FILTERS, (False, True), (0.0, Prior().slope))
+    for one, kind, has_resistance, slope in settings:
+        if one.truth.mass is None:
             continue
         log, found = read_log(data / one.path), []
         for share in (0.6, 1.0, 1.6):
             cart = guessed(one.cart, share * one.cart.inertia.mass)
             cart = cart.with_effect(RollingResistance(0.01)) if has_resistance else cart
-            learner = CartFilter(cart, list(log.arms), noise=noise_of_log(log, cart), prior=Prior(slope=slope))
+            learner = FILTERS[kind](cart, list(log.arms), noise=noise_of_log(log, cart), prior=Prior(slope=slope))
             found.append(replay(log, learner).estimates)
         masses = [repr(told[-1].parameters["mass"]) for told in found]
+        wrong = [np.mean([_is_wrong(estimate, one.truth.mass) for estimate in told]) for told in found]
         ok = [np.mean([estimate.health == "ok" for estimate in told]) for told in found]
         model = "drag, rolling resistance" if has_resistance else "drag"
         cells = (
             ", ".join(sorted({f"{told[-1].health}" for told in found})),
             f"{100 * min(ok):.0f} to {100 * max(ok):.0f} %",
+            f"{100 * min(wrong):.0f} to {100 * max(wrong):.0f} %",
         )
-        yield one.name, model, f"{slope:g}", *masses, *cells
+        yield one.name, kind, model, f"{slope:g}", *masses, *cells
+
+
+def _is_wrong(estimate: Estimate, known: Interval) -> bool:
+    mass = estimate.parameters["mass"]
+    return mass.identifiable and not known.holds(mass.value, mass.std, DEVIATIONS)
 
 
 def _cart(mass: float, com: np.ndarray, inertia: float, drag: float, resistance: float) -> CartModel:
@@ -147,8 +158,9 @@ def main() -> None:
     options = parser.parse_args()
     seeds, usual = range(*map(int, options.seeds.split(":"))), Prior().slope
     if options.data is not None:
-        print("| log | model | prior's slope | mass at last, kg: from 0.6 | from 1 | from 1.6 | health | `ok` |")
-        print("|" + " --- |" * 8)
+        print("| log | filter | model | prior's slope | mass at last, kg: from 0.6 | from 1 | from 1.6 ", end="")
+        print("| health | `ok` | sure and wrong |")
+        print("|" + " --- |" * 10)
         _print(measured(options.data))
         return
     print(f"| {' | '.join(HEADER)} |\n|{' --- |' * len(HEADER)}")
