@@ -33,6 +33,7 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ...gaussian import Gaussian
 from ...health import Health
+from ...parameter_report import qualified_by_health
 from ..arguments import EstimatorArguments
 from ..cart_filter import core_of
 from ..delayed_wrenches import AlignedFilter, with_delays_removed
@@ -54,6 +55,9 @@ MAX_ROW_DELAY = 0.4
 """s until the last row in which a sample counts is worked out."""
 MAX_DISTURBANCE_DURATION = 10.0
 """s after which what pushes is the model's error, and what is no load by then is none."""
+MAX_DISTURBED_SHARE = 0.5
+"""Share of the last seconds, with `MAX_DISTURBANCE_DURATION` as time constant, beyond which what pushes is no
+disturbance of what the model explains: nobody knows which of them is right."""
 
 
 class DisturbedLearning:
@@ -79,6 +83,7 @@ class DisturbedLearning:
         self._is_sure, self._is_total_known = False, True
         self._felt = math.inf  # s: when all arms' wrenches were known last
         self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
+        self._disturbed_share = 0.0
         self.time = -math.inf
 
     @property
@@ -92,6 +97,7 @@ class DisturbedLearning:
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""
         self._sensing.note_contacts(measurement)  # what is refused does not wait
+        self._count_disturbed(measurement.time)
         self.time = measurement.time
         self._waiting = (*self._waiting, measurement)
         until = math.inf if self._known is None else measurement.time - self.response
@@ -100,6 +106,12 @@ class DisturbedLearning:
             self._learn(first)
         self._known = self._careful.estimate()
         self._observe(measurement, self._known)
+
+    def _count_disturbed(self, time: float) -> None:
+        """Up to a time, while a disturbance acts or not."""
+        if self._disturbance is not None:
+            share = 1.0 - math.exp(-max(time - self.time, 0.0) / MAX_DISTURBANCE_DURATION)
+            self._disturbed_share += share * (self._disturbance.acts - self._disturbed_share)
 
     def scale_noise(self, noise_factors: Array) -> None:
         for one in (self._careful, self._quick, self._open):
@@ -123,7 +135,11 @@ class DisturbedLearning:
             health = Health.OUTLIERS if math.isfinite(self._kept_back) else Health.OK
         elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
             health = Health.NO_WRENCH
-        return self._doubted(told)._replace(
+        told = self._doubted(told)
+        if self._disturbed_share > MAX_DISTURBED_SHARE and health != Health.STALE:
+            health = Health.INCONSISTENT
+            told = told._replace(parameters=qualified_by_health(told.parameters, health))
+        return told._replace(
             time=observed[0].time,
             motion=observed[0].motion(told.motion.memory),
             health=health,

@@ -19,10 +19,12 @@ from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.pushed_plant import Push, PushedPlant
 from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
 from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
+from cartgrasp.studies.estimators import SENSOR_SETS, Job, drive_cart, filter_noise
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.disturbed_learning import FEEDFORWARD_RESPONSE_RATIO
 from estimation.online.disturbance.observer import NOMINAL_SAMPLE_PERIOD, NORMALISED_SETTLING_TIME, DisturbanceObserver
 from estimation.parameter_report import IDENTIFIABLE_STD_RATIO
+from estimation.whole_log.replay import replay
 from planning import Controller, PathReference, chain, pause
 from planning.references import speed_change, turn
 
@@ -320,3 +322,21 @@ def test_a_contact_that_is_refused_is_refused_once():
         except UsageError:
             refused += 1
     assert refused == 1
+
+
+@pytest.mark.long
+def test_what_pushes_most_of_the_time_is_the_models_error():
+    """30 N for 1.7 of each 2 s, from 4 s to 18 s: nobody knows then which part of the forces the cart's
+    mass takes. Some seconds after its end all is well."""
+
+    def outside(time, motion):
+        return [Push(np.array([30.0, 0.0, 0.0]), np.array([0.3, 0.1, 0.4]))] if 4 < time < 18 and time % 2 < 1.7 else []
+
+    truth = CART.with_inertia(cg.Inertia(24.0, (0.28, 0.06), 2.2))
+    log = drive_cart(truth, Job("curves", "usual", 0), 28.0, outside).log
+    told = replay(log, DisturbedFilter(CART, HANDS, noise=filter_noise(SENSOR_SETS["usual"]))).estimates
+    health = {time: {one.health for one in told if time <= one.time < time + 1.0} for time in (2.0, 17.0, 27.0)}
+    assert health == {2.0: {"ok"}, 17.0: {"inconsistent"}, 27.0: {"ok"}}
+    assert not any(one.parameters["mass"].identifiable for one in told if one.health == "inconsistent")
+    mass = told[-1].parameters["mass"]
+    assert abs(mass.value - 24.0) < 3 * mass.std < 5.0
