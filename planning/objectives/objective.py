@@ -6,12 +6,16 @@ from __future__ import annotations
 from abc import ABC, abstractmethod
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from typing import ClassVar
 
 import numpy as np
 
 from cartgrasp.arms import Arm
 from cartgrasp.frames import Array
 from planning.limits import LimitRows
+
+ABOVE_ZERO = {"least": "above 0"}
+"""Metadata of a field whose value has to be: problem files ask it."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,9 +70,11 @@ class Objective(ABC):
 
 
 class Addition(Objective):
-    """What adds to the cost of a `base`."""
+    """What adds to the cost of a `base`: a dataclass, whose name and numbers are keys of problem files. Of several, one
+    that `adds_unknowns` comes last."""
 
     base: Objective
+    adds_unknowns: ClassVar[bool] = False
 
     @property
     def looks_back(self) -> bool:

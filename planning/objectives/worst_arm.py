@@ -14,7 +14,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from planning.limits import LimitRows
 
-from .objective import Addition, Cost, Objective, WeightedWrench
+from .objective import ABOVE_ZERO, Addition, Cost, Objective, WeightedWrench
 
 MIN_ARM_LIMIT = 1e-9  # N, N·m: what a proof takes for kept; a share of a smaller limit would be one of rounding
 
@@ -23,8 +23,9 @@ MIN_ARM_LIMIT = 1e-9  # N, N·m: what a proof takes for kept; a share of a small
 class WorstArm(Addition):
     """`weight` of the squared share; components without a limit, or with one of `MIN_ARM_LIMIT` or less, have none."""
 
-    weight: float
+    weight: float = field(metadata=ABOVE_ZERO)
     base: Objective = field(default_factory=WeightedWrench)
+    adds_unknowns = True
 
     def __post_init__(self) -> None:
         positive("worst arm: weight", self.weight, MAX_FLOAT, "give a share of the cost")

@@ -9,23 +9,16 @@ from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.model import CartModel
 
-from ..limits import CartLimit, InternalForce, PushedCart, SideForce, Skid, TipOver
-from .problem_schema import CartLimitsEntry
+from ..limits import CartLimit, PushedCart
+from .problem_schema import CART_LIMITS, CartLimitsEntry
 from .refusing import Refuse
-
-KINDS: Mapping[str, Callable[..., CartLimit]] = {
-    "skid": Skid,
-    "tip_over": TipOver,
-    "side_force": SideForce,
-    "internal_force": InternalForce,
-}
 
 
 def cart_limits_of(
     entry: CartLimitsEntry, pushed_by: tuple[CartModel, Sequence[Arm]], where: list[str | int], refuse: Refuse
 ) -> tuple[CartLimit, ...]:
     """The limits that stand at a place of a document, for a cart and its arms."""
-    limits = {key: partial(KINDS[key], **dict(values)) for key, values in entry if values is not None}
+    limits = {key: partial(CART_LIMITS[key], **dict(values)) for key, values in entry if values is not None}
     return limits_for(limits, pushed_by, lambda key, why: refuse([*where, key], why))
 
 

@@ -2,45 +2,26 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Sequence
 
 from cartgrasp.arms import Arm
 from cartgrasp.model import CartModel
 
 from ..allocation.allocation_template import AllocationTemplate
-from ..objectives import (
-    LeastInternalForce,
-    LeastJointTorque,
-    LeastSideForce,
-    LoadShare,
-    Nothing,
-    Objective,
-    Smoothness,
-    WeightedWrench,
-    WorstArm,
-)
-from .problem_schema import ObjectiveEntry
+from ..objectives import Nothing, Objective, WeightedWrench
+from .problem_schema import ADDITIONS, ObjectiveEntry
 from .refusing import Refuse, refusing
-
-TERMS: Mapping[str, Callable[..., Objective]] = {
-    "smoothness": Smoothness,
-    "load_share": LoadShare,
-    "least_joint_torque": LeastJointTorque,
-    "least_side_force": LeastSideForce,
-    "least_internal_force": LeastInternalForce,
-    "worst_arm": WorstArm,
-}
-"""In the order in which they are put on a base: the one with an unknown of its own last."""
 
 
 def objective_of(entry: ObjectiveEntry, of: tuple[CartModel, Sequence[Arm]], refuse: Refuse) -> Objective:
     """What a term has against its numbers, or against this cart and these arms, is refused at its key."""
-    stated = {key: dict(values) for key in TERMS if (values := getattr(entry, key)) is not None}
+    in_order = sorted(ADDITIONS, key=lambda key: ADDITIONS[key].adds_unknowns)
+    stated = {key: dict(values) for key in in_order if (values := getattr(entry, key)) is not None}
     if not (entry.effort or stated):
         raise refuse(["objective", "effort"], "without the effort nothing is left to minimise; add another term")
     objective: Objective = WeightedWrench() if entry.effort else Nothing()
     for key, values in stated.items():
         with refusing(refuse, "objective", key):
-            objective = TERMS[key](**values, base=objective)
+            objective = ADDITIONS[key](**values, base=objective)  # type: ignore[call-arg]  # a dataclass
             AllocationTemplate.of(*of, objective)
     return objective

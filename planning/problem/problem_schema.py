@@ -1,50 +1,22 @@
-"""The keys of `PROBLEM.yaml`, with their types and what a single value may be."""
+"""The keys of `PROBLEM.yaml`, with their types."""
 
 from __future__ import annotations
 
-from typing import Annotated, Any
+from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
-from pydantic import AfterValidator, Field
+from pydantic import Field
 
-from cartgrasp.checks import MAX_NUMBER
 from cartgrasp.yaml_file import StrictModel
 
-from ..contacts.switching_cost import MAX_SWITCHING_COST
+from .. import limits, objectives
+from ..limits import CartLimit
+from ..objectives.objective import Addition
+from .class_entries import classes_in, entry_of
+from .values import LimitTriple, LimitValue, NotNegative, Positive, RateTriple, SwitchingCostValue, Triple
 
 DEFAULT_WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
-
-
-def _limit(value: float) -> float:
-    if not abs(value) < float("inf"):
-        raise ValueError(f"{value} is not a finite number; leave the key out for no limit")
-    return _not_negative(value) if value <= MAX_NUMBER else float("inf")  # beyond it limits nothing
-
-
-def _not_negative(value: float) -> float:
-    if value < 0:
-        raise ValueError(f"{value:g} is negative; a number >= 0 is needed")
-    return value
-
-
-def _positive(value: float) -> float:
-    if not value > 0:
-        raise ValueError(f"{value:g} is not > 0")
-    return value
-
-
-def _switching_cost(value: float) -> float:
-    if value > MAX_SWITCHING_COST:
-        raise ValueError(f"{value:g} is beyond {MAX_SWITCHING_COST:g}")
-    return _not_negative(value)
-
-
-NotNegative = Annotated[float, AfterValidator(_not_negative)]
-Positive = Annotated[float, AfterValidator(_positive)]
-LimitValue = Annotated[float, Field(allow_inf_nan=True), AfterValidator(_limit)]
-Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
-LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
-SwitchingCostValue = Annotated[float, AfterValidator(_switching_cost)]
-RateTriple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+CART_LIMITS = classes_in(limits, CartLimit)  # type: ignore[type-abstract]
+ADDITIONS = classes_in(objectives, Addition)  # type: ignore[type-abstract]
 
 
 class LimitsEntry(StrictModel):
@@ -124,64 +96,18 @@ class ArmEntry(StrictModel):
     held: Triple | None = None
 
 
-class SkidEntry(StrictModel):
-    friction: NotNegative
-
-
-class TipOverEntry(StrictModel):
-    least_load: NotNegative = 0.0
-
-
-class SideForceEntry(StrictModel):
-    bound: NotNegative
-
-
-class InternalForceEntry(StrictModel):
-    bound: NotNegative
-    axis: Triple = Field(default_factory=lambda: [0.0, 1.0, 0.0])
-
-
-class CartLimitsEntry(StrictModel):
-    """Limits of the hands together."""
-
-    skid: SkidEntry | None = None
-    tip_over: TipOverEntry | None = None
-    side_force: SideForceEntry | None = None
-    internal_force: InternalForceEntry | None = None
-
-
-class SmoothnessEntry(StrictModel):
-    rate: NotNegative = 1.0
-
-
-class LoadShareEntry(StrictModel):
-    shares: dict[str, float]
-    weight: NotNegative = 1.0
-
-
-class WeightEntry(StrictModel):
-    weight: NotNegative = 1.0
-
-
-class InternalWeightEntry(StrictModel):
-    weight: NotNegative = 1.0
-    axis: Triple = Field(default_factory=lambda: [0.0, 1.0, 0.0])
-
-
-class WorstArmEntry(StrictModel):
-    weight: Positive
-
-
-class ObjectiveEntry(StrictModel):
+class EffortEntry(StrictModel):
     """What adds to the effort, or without `effort` stands alone."""
 
     effort: bool = True
-    smoothness: SmoothnessEntry | None = None
-    load_share: LoadShareEntry | None = None
-    least_joint_torque: WeightEntry | None = None
-    least_side_force: WeightEntry | None = None
-    least_internal_force: InternalWeightEntry | None = None
-    worst_arm: WorstArmEntry | None = None
+
+
+if TYPE_CHECKING:
+    CartLimitsEntry: TypeAlias = StrictModel
+    ObjectiveEntry: TypeAlias = EffortEntry
+else:
+    CartLimitsEntry = entry_of("CartLimitsEntry", CART_LIMITS)
+    ObjectiveEntry = entry_of("ObjectiveEntry", ADDITIONS, EffortEntry)
 
 
 class MotionEntry(StrictModel):

@@ -10,7 +10,8 @@ from planning.contact_sources.choosing import Choosing
 from planning.contact_sources.strategies import Strategy
 from planning.control.caution import Caution
 from planning.control.hand import RegraspTimes
-from planning.problem.problem_schema import ArmEntry, CartLimitsEntry, NotNegative, Positive
+from planning.problem.problem_schema import ArmEntry, CartLimitsEntry
+from planning.problem.values import NotNegative, Positive
 
 from ...yaml_file import StrictModel
 from ..scenario import FIRST_GUESS, LEARNING, PAPER
