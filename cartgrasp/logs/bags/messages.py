@@ -8,7 +8,9 @@ from __future__ import annotations
 
 import struct
 from collections.abc import Callable, Sequence
-from typing import Any, NamedTuple
+from dataclasses import dataclass
+from functools import cached_property
+from typing import NamedTuple
 
 WRENCH_TYPE = "geometry_msgs/msg/WrenchStamped"
 POSE_TYPE = "geometry_msgs/msg/PoseStamped"
@@ -34,77 +36,112 @@ class BadMessageError(ValueError):
     """Bytes that are no message of their type."""
 
 
-class Decoder:
-    """A message taken apart part by part: `at` is where the next begins. ROS 2 aligns numbers to their size, counted
-    from behind its four first bytes; ROS 1 packs."""
+@dataclass(frozen=True)
+class Wire:
+    """How a message lies in its bytes: from `start` on, in `order` (`<` or `>`); ROS 2 aligns numbers to their size."""
 
-    def __init__(self, raw: bytes, is_ros1: bool) -> None:
-        if not is_ros1 and (len(raw) < 4 or raw[0] != 0 or raw[1] not in (0, 1)):
+    order: str
+    is_ros1: bool
+
+    @classmethod
+    def of(cls, raw: bytes, is_ros1: bool) -> Wire:
+        if is_ros1:
+            return ROS1
+        if len(raw) < 4 or raw[0] != 0 or raw[1] not in (0, 1):
             raise BadMessageError("its first bytes are not those of plain CDR")
-        self.raw, self.is_ros1, self.at = raw, is_ros1, 0 if is_ros1 else 4
-        self.order = "<" if is_ros1 or raw[1] else ">"
+        return LITTLE if raw[1] else BIG
 
-    def take(self, layout: str, size: int, alignment: int) -> tuple[Any, ...]:
-        """The values of a layout of `size` bytes."""
-        start = self.at if self.is_ros1 else self.at + (4 - self.at) % alignment
-        self.at = start + size
-        return struct.unpack_from(self.order + layout, self.raw, start)
+    @property
+    def start(self) -> int:
+        return 0 if self.is_ros1 else 4
 
-    def text(self) -> str:
-        (size,) = self.take("I", 4, 4)
-        start, self.at = self.at, self.at + size
-        if self.at > len(self.raw):
+    @cached_property
+    def stamp(self) -> struct.Struct:
+        return struct.Struct(self.order + ("4xII" if self.is_ros1 else "iI"))
+
+    @cached_property
+    def length(self) -> struct.Struct:
+        return struct.Struct(self.order + "I")
+
+    @cached_property
+    def doubles(self) -> dict[int, struct.Struct]:
+        return {n: struct.Struct(f"{self.order}{n}d") for n in (6, 7)}
+
+    def word(self, raw: bytes, at: int) -> tuple[int, int]:
+        """A number of four bytes, and where what follows it begins."""
+        at += 0 if self.is_ros1 else -at % 4
+        return self.length.unpack_from(raw, at)[0], at + 4
+
+    def text(self, raw: bytes, at: int) -> tuple[str, int]:
+        size, at = self.word(raw, at)
+        if at + size > len(raw):
             raise BadMessageError(f"a text of {size} bytes goes beyond its end")
-        return self.raw[start : self.at].rstrip(b"\0").decode()
+        return raw[at : at + size].rstrip(b"\0").decode(), at + size
 
-    def header(self) -> tuple[int, str]:
+    def header(self, raw: bytes, at: int) -> tuple[int, str, int]:
         """Stamp in ns and frame."""
-        seconds, nanoseconds = self.take("4xII", 12, 4) if self.is_ros1 else self.take("iI", 8, 4)
+        at += 0 if self.is_ros1 else -at % 4
+        seconds, nanoseconds = self.stamp.unpack_from(raw, at)
         if nanoseconds >= NS_PER_S:
             raise BadMessageError(f"its stamp has {nanoseconds} ns, more than a second")
-        return seconds * NS_PER_S + nanoseconds, self.text()
+        frame, at = self.text(raw, at + self.stamp.size)
+        return seconds * NS_PER_S + nanoseconds, frame, at
 
-    def numbers(self, count: int) -> tuple[float, ...]:
-        return self.take(f"{count}d", 8 * count, 8)
+    def numbers(self, raw: bytes, at: int, count: int) -> tuple[tuple[float, ...], int]:
+        """Doubles; CDR counts alignment from behind its four first bytes."""
+        at += 0 if self.is_ros1 else (4 - at) % 8
+        return self.doubles[count].unpack_from(raw, at), at + 8 * count
+
+
+ROS1, LITTLE, BIG = Wire("<", True), Wire("<", False), Wire(">", False)
 
 
 def decode(raw: bytes, kind: str, is_ros1: bool) -> list[Sample]:
     """The samples of one message; BadMessageError where the bytes don't fit its layout."""
-    message = Decoder(raw, is_ros1)
     try:
-        samples = DECODERS[kind](message)
+        wire = Wire.of(raw, is_ros1)
+        samples, end = DECODERS[kind](raw, wire)
     except (struct.error, UnicodeDecodeError) as error:
         raise BadMessageError(f"its bytes don't fit its type: {error}") from error
-    if not message.at <= len(raw) < message.at + 4:
-        raise BadMessageError(f"{len(raw)} bytes, where its type has {message.at}")
+    if not end <= len(raw) < end + 4:
+        raise BadMessageError(f"{len(raw)} bytes, where its type has {end}")
     return samples
 
 
-def _wrench(message: Decoder) -> list[Sample]:
-    return [Sample(*message.header(), "", message.numbers(6))]
+def _wrench(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
+    stamp, frame, at = wire.header(raw, wire.start)
+    numbers, at = wire.numbers(raw, at, 6)
+    return [Sample(stamp, frame, "", numbers)], at
 
 
-def _pose(message: Decoder) -> list[Sample]:
-    return [Sample(*message.header(), "", message.numbers(7))]
+def _pose(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
+    stamp, frame, at = wire.header(raw, wire.start)
+    numbers, at = wire.numbers(raw, at, 7)
+    return [Sample(stamp, frame, "", numbers)], at
 
 
-def _odometry(message: Decoder) -> list[Sample]:
-    stamp, frame = message.header()
-    child, pose = message.text(), message.numbers(7)
-    message.at += 8 * COVARIANCE_SIZE
-    twist = message.numbers(6)
-    message.at += 8 * COVARIANCE_SIZE
-    return [Sample(stamp, frame, child, pose + twist)]
+def _odometry(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
+    stamp, frame, at = wire.header(raw, wire.start)
+    child, at = wire.text(raw, at)
+    pose, at = wire.numbers(raw, at, 7)
+    twist, at = wire.numbers(raw, at + 8 * COVARIANCE_SIZE, 6)
+    return [Sample(stamp, frame, child, pose + twist)], at + 8 * COVARIANCE_SIZE
 
 
-def _transforms(message: Decoder) -> list[Sample]:
-    (count,) = message.take("I", 4, 4)
-    if count > len(message.raw):
-        raise BadMessageError(f"{count} transforms don't fit into its {len(message.raw)} bytes")
-    return [Sample(*message.header(), message.text(), message.numbers(7)) for _ in range(count)]
+def _transforms(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
+    count, at = wire.word(raw, wire.start)
+    if count > len(raw):
+        raise BadMessageError(f"{count} transforms don't fit into its {len(raw)} bytes")
+    samples = []
+    for _ in range(count):
+        stamp, frame, at = wire.header(raw, at)
+        child, at = wire.text(raw, at)
+        numbers, at = wire.numbers(raw, at, 7)
+        samples.append(Sample(stamp, frame, child, numbers))
+    return samples, at
 
 
-DECODERS: dict[str, Callable[[Decoder], list[Sample]]] = {
+DECODERS: dict[str, Callable[[bytes, Wire], tuple[list[Sample], int]]] = {
     WRENCH_TYPE: _wrench,
     POSE_TYPE: _pose,
     ODOMETRY_TYPE: _odometry,
