@@ -38,8 +38,9 @@ def cart_and_logs(sources: Sources, out: Path | None = None) -> tuple[CartModel,
     check_accepted(sources.accepted)
     paths, topics = sources.logs, sources.topics
     cart = _cart(sources)
+    resolved = [path.resolve() for path in paths]
     for i, path in enumerate(paths):  # the same run twice would count as twice the evidence
-        if path.resolve() in [other.resolve() for other in paths[:i]]:
+        if resolved[i] in resolved[:i]:
             raise UsageError(f"{path}: is given twice; name each log once")
     if out is not None:
         make_folder(out)

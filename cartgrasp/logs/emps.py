@@ -23,8 +23,16 @@ from .run_log import ArmLog, RunLog
 EMPS_ARM = "drive"
 EMPS_VARIABLES = ("t", "qm", "vir", "gtau")
 MATLAB_ERRORS = (
-    *(ValueError, TypeError, LookupError, ArithmeticError, MemoryError, Warning, NotImplementedError, AttributeError),
-    *(zlib.error, struct.error),
+    ValueError,
+    TypeError,
+    LookupError,
+    ArithmeticError,
+    MemoryError,
+    Warning,
+    NotImplementedError,
+    AttributeError,
+    zlib.error,
+    struct.error,
 )
 """Beside its own errors, what scipy stumbles over where bytes are not what they should be."""
 RAIL_CART = """\

@@ -26,11 +26,11 @@ WHEELS = (
     Wheel(CASTER, 0.72, -0.2, trail=0.045),
 )
 SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
-Limit = tuple[float, float, float]
+PerAxis = tuple[float, float, float]
 FIRM_GAINS = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
 
 
-def two_hands(y: float, force: Limit, moment: Limit) -> tuple[Arm, ...]:
+def two_hands(y: float, force: PerAxis, moment: PerAxis) -> tuple[Arm, ...]:
     """On a handle 0.25 m behind the axle and 1 m up, each `y` (m) to its side, with the same limits (N, N·m)."""
     places = {"left": (-0.25, y, 1.0), "right": (-0.25, -y, 1.0)}
     return tuple(Arm(name, [place], force_limit=force, moment_limit=moment) for name, place in places.items())

@@ -10,7 +10,7 @@ from dataclasses import MISSING, Field, fields
 from importlib import import_module
 from pkgutil import iter_modules
 from types import ModuleType
-from typing import Any, TypeVar, get_args, get_origin, get_type_hints
+from typing import Any, TypeVar, get_origin, get_type_hints
 
 from pydantic import Field as EntryField
 from pydantic import create_model
@@ -51,7 +51,7 @@ def _entry(key: str, kind: type) -> type[StrictModel]:
 def _value(field: Field[Any], of: Any) -> Any:
     if of is float:
         return Positive if field.metadata == ABOVE_ZERO else NotNegative
-    return Triple if get_origin(of) is tuple else dict[str, get_args(of)[1]]  # type: ignore[misc]  # of a Mapping
+    return Triple if get_origin(of) is tuple else of
 
 
 def _default(field: Field[Any]) -> Any:

@@ -3,8 +3,6 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Iterator
-from contextlib import contextmanager
 from pathlib import Path
 from typing import Any
 
@@ -15,6 +13,7 @@ from planning import Caution, Choosing, RegraspTimes
 from planning.contact_sources.strategies import LEAST_EFFORT, PERIODIC
 from planning.problem.problem_arms import arms_of
 from planning.problem.problem_limits import cart_limits_of
+from planning.problem.refusing import refusing
 from planning.references import PathReference, Stretch
 from planning.tracking import Gains
 
@@ -63,14 +62,6 @@ class _StudyFile:
     def refuse(self, location: list[str | int], why: str) -> FileError:
         return file_error(self.document, self.name, location, why)
 
-    @contextmanager
-    def _at(self, *location: str | int) -> Iterator[None]:
-        """What is refused inside is refused at this place."""
-        try:
-            yield
-        except UsageError as error:
-            raise self.refuse([*location], str(error)) from error
-
     def _cart(self, section: str, key: str) -> CartModel:
         found = self.document[section][key]
         if isinstance(found, str):
@@ -105,7 +96,7 @@ class _StudyFile:
         sensors, known = SensorNoise(**loop.sensors.model_dump()), frozenset(loop.known)
         shared = {name: getattr(sensors, name) for name in SHARED_NOISE_KEYS}
         noise = FilterNoise(**shared | loop.filter.model_dump(exclude_none=True))
-        with self._at("closed_loop", "known"):
+        with refusing(self.refuse, "closed_loop", "known"):
             Prior(known=known).free(guess)
         stretches = self._stretches(loop, guess)
         self._check_steps(loop, total_duration(stretches))
@@ -133,7 +124,7 @@ class _StudyFile:
             why = str(error).removeprefix("disturbances: ")
             raise self.refuse(["closed_loop", "disturbances"], why) from error
         if loop.contacts is not None:
-            with self._at("closed_loop", "contacts"):
+            with refusing(self.refuse, "closed_loop", "contacts"):
                 scenario.controller()
         return scenario
 
@@ -147,7 +138,7 @@ class _StudyFile:
             why = "is of `cart_limits`, which are missing; write `tip_over: {}`, say"
             raise self.refuse(["closed_loop", "confidence"], why)
         if loop.caution is not None:
-            with self._at("closed_loop", "caution"):
+            with refusing(self.refuse, "closed_loop", "caution"):
                 found["caution"] = Caution(**loop.caution.model_dump())
         return found
 
@@ -166,7 +157,7 @@ class _StudyFile:
             raise self.refuse(["closed_loop", "switching"], "stands beside `contacts`; write one of them")
         sensed = WrenchNoise(noise.force, noise.moment, 1.0 / loop.period)
         times = RegraspTimes(**(loop.regrasp or RegraspEntry()).model_dump())
-        with self._at("closed_loop", "choosing"):
+        with refusing(self.refuse, "closed_loop", "choosing"):
             choosing = Choosing(**(loop.choosing or ChoosingEntry()).model_dump(), noise=sensed)
         return {"contacts": loop.contacts, "choosing": choosing, "regrasp": times}
 
@@ -204,7 +195,7 @@ class _StudyFile:
             why = "needs one law: `uniform: [low, high]` or `normal: [mean, deviation]`"
             raise self.refuse(["drawn", name], why)
         ((law, (first, second)),) = laws.items()
-        with self._at("drawn", name, law):
+        with refusing(self.refuse, "drawn", name, law):
             return Drawn(name, law, (first, second))
 
     # --- logs -------------------------------------------------------------------------------------------------
