@@ -61,8 +61,8 @@ class Plan:
     what `plan_or_hold` gives instead where there are no wrenches, and `stops` says how far within the cart's limits
     that stops the cart, if it does. `switched` are the arms that hold elsewhere than at the last plan, told where
     switching has a cost. `tell` makes `figures`, `prove` makes `proof`, and `wheel_forces` what the wheels take, when
-    asked; and `explain` what says why a wrench can't be given, where `plan_or_hold` leaves that open. `arms` have the
-    limits that held.
+    asked; and `found_why` the plan that says why a wrench can't be given, where `plan_or_hold` leaves that open. `arms`
+    have the limits that held.
     """
 
     status: str
@@ -78,7 +78,7 @@ class Plan:
     switched: tuple[str, ...] = ()
     tell: Callable[[], Figures] = field(default=Figures, repr=False)
     prove: Callable[[], tuple[QuadraticProgram, QPSolution]] | None = field(default=None, repr=False)
-    explain: Callable[[], Plan] | None = field(default=None, repr=False)
+    found_why: Callable[[], Plan] | None = field(default=None, repr=False)
     wheel_forces: Callable[[Array], WheelForces] | None = field(default=None, repr=False)
     arms: tuple[Arm, ...] = field(default=(), repr=False)
     beside: Array | None = field(default=None, repr=False)
@@ -106,10 +106,15 @@ class Plan:
         """What is left open: found when it is asked for, once."""
         if name not in ("certificate", "message") or "status" not in self.__dict__:
             raise AttributeError(f"a plan has no attribute {name!r}")
-        why = None if self.explain is None else self.explain()
-        self.__dict__["certificate"] = None if why is None else why.certificate
-        self.__dict__.setdefault("message", "" if why is None else why.message)
+        why = self.explain()
+        self.__dict__["certificate"] = None if why is self else why.certificate
+        self.__dict__.setdefault("message", "" if why is self else why.message)
         return self.__dict__[name]
+
+    def explain(self) -> Plan:
+        """The plan with its certificate, the nearest wrench and remedies; itself where these are told, or where there
+        is nothing to explain. What `plan_or_hold` leaves open takes milliseconds, once."""
+        return self if self.found_why is None else self.found_why()
 
     @cached_property
     def proof(self) -> tuple[QuadraticProgram, QPSolution] | None:

@@ -138,14 +138,18 @@ class QuadraticProgram:
         return (*names, *(cone.name for cone, z in cones if z[0] > least))
 
     def margins(self, x: Array) -> dict[str, float]:
-        """How far x is from each limit, by name, in the limit's unit; of a cone `s_0 - ‖(s_1, s_2, …)‖`."""
+        """How far x is from each limit, by name, in the limit's unit; of a cone `s_0 - ‖(s_1, s_2, …)‖`. Where limits
+        have one name, the least."""
         stop = len(self.lower) - self.n_equalities
         values = np.concatenate([x, self.rows @ x])[:stop]
         rooms = (self.lower_names, values - self.lower[:stop]), (self.upper_names, self.upper[:stop] - values)
-        found = {n[i]: float(room[i]) for n, room in rooms for i in np.flatnonzero(np.isfinite(room)) if n[i]}
+        told = [(n[i], float(room[i])) for n, room in rooms for i in np.flatnonzero(np.isfinite(room)) if n[i]]
         for cone in self.cones:
             s = cone.offset + cone.rows @ x
-            found[cone.name] = float(s[0] - np.linalg.norm(s[1:]))
+            told.append((cone.name, float(s[0] - np.linalg.norm(s[1:]))))
+        found: dict[str, float] = {}
+        for name, room in told:
+            found[name] = min(room, found.get(name, math.inf))
         return found
 
 

@@ -188,5 +188,6 @@ def _words(bounds: Mapping[str, Bound], direction: Array, numbers: tuple[float, 
         of = "N·m" if "torque" in words else bound.unit  # of a joint, by all components
         parts.append(f"{limit} {number:.6g} {of}".strip() if words[-1] in ("lower", "upper") else limit)
     asked, most = (f"{round(number, 9) + 0.0:.6g}{unit}" for number in numbers)
-    subject = "together they give" if len(parts) > 1 else "it gives"
+    owners = {limit.rpartition(":")[0] for limit in bounds}  # "" of the cart
+    subject = "it gives" if len(parts) == 1 or (len(owners) == 1 and owners != {""}) else "together they give"
     return f"{'; '.join(parts)}: {subject} at most {most} of {of_what}, {asked} is asked"

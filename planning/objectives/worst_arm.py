@@ -47,7 +47,7 @@ def _shares(arms: Sequence[Arm]) -> LimitRows:
     limits = np.concatenate([arm.wrench_limit for arm in arms])
     limited = np.flatnonzero(np.isfinite(limits) & (limits > MIN_ARM_LIMIT))
     if not len(limited):
-        raise UsageError(f"worst arm: none of {[arm.name for arm in arms]} has a force or moment limit to share")
+        raise UsageError(f"worst arm: none of {[arm.name for arm in arms]} has a force_limit or moment_limit to share")
     shares = np.zeros((len(limited), len(limits) + 1))
     shares[np.arange(len(limited)), limited] = 1.0 / limits[limited]
     rows = np.vstack([shares, -shares])

@@ -70,7 +70,7 @@ def left_open(near: Near, relax: float, explain: Callable[[], Plan], start: floa
     """The plan of what is near, relaxed, if it is no farther than that; else one that is infeasible. What `explain`
     says of it is found when it is asked for."""
     fields: dict[str, Any] = {"solver": SOLVER, "solve_time": time.perf_counter() - start}
-    fields |= {"explain": explain, "tell": lambda: explain().figures}
+    fields |= {"found_why": explain, "tell": lambda: explain().figures}
     if isinstance(near, str) or near[1] > relax:
         return Plan.of(fields | {"status": INFEASIBLE, "wrenches": {}, "contacts": {}, "yaws": {}})
     whole = vars(near[0]) | fields | {"status": RELAXED, "prove": lambda: explain().proof}

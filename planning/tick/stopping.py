@@ -107,6 +107,6 @@ class Stopping(NamedTuple):
 
 def _without_wrenches(found: Plan) -> Plan:
     """Infeasible, for the same reasons."""
-    kept = vars(found).keys() & {"certificate", "message", "explain", "solve_time", "solver"}
+    kept = vars(found).keys() & {"certificate", "message", "found_why", "solve_time", "solver"}
     blank = {"status": INFEASIBLE, "wrenches": {}, "contacts": {}, "yaws": {}, "tell": Figures}
     return Plan.of(blank | {name: vars(found)[name] for name in kept})

@@ -3,10 +3,12 @@ itself."""
 
 from __future__ import annotations
 
+import inspect
+
 import numpy as np
 import pytest
 
-from cartgrasp.arms import Friction
+from cartgrasp.arms import Arm, Friction
 from cartgrasp.errors import UsageError
 from cartgrasp.friction import SoftFinger
 from cartgrasp.joint_torques import JointTorques
@@ -21,6 +23,7 @@ from planning.limits import (
     WrenchBox,
     limits_of,
 )
+from planning.problem.problem_schema import ArmEntry
 
 from ..drawn import arm, cart, first_contacts
 
@@ -70,20 +73,28 @@ def violated(rows, wrench):
 
 
 def test_every_limit_sits_it():
-    """Whoever adds a limit: give it a row of BOUNDARIES."""
     known = {thing for thing in vars(limits).values() if isinstance(thing, type) and issubclass(thing, limits.Limit)}
-    assert known - {limits.Limit} == {type(limit) for limit, *_ in BOUNDARIES}
+    assert known - {limits.Limit} == {type(limit) for limit, *_ in BOUNDARIES}, "give each a row of BOUNDARIES"
+
+
+def test_every_parameter_of_an_arm_has_its_key():
+    """`limits` are a user's own classes; a problem file has `box` limits under that name, and a few more words."""
+    parameters = inspect.signature(Arm).parameters.keys() - {"force_limit", "moment_limit", "wrench_rate"}
+    assert parameters == ArmEntry.model_fields.keys() - {"rate", "urdf", "held"}, "give it a key in problem_schema.py"
 
 
 @pytest.mark.parametrize(("limit", "owner", "boundary", "name"), BOUNDARIES)
 def test_exam(limit, owner, boundary, name):
-    rows = limit.rows(owner)
+    """The boundary lies on this face alone. It is left by all components but fx, which friction grows with."""
+    rows, stated = limit.rows(owner), limits_of(owner)
+    told = (*stated.names, *stated.low_names, *stated.lower_names, *stated.upper_names)
+    assert name in (*told, *(cone.name for cone in stated.cones)), f"limits_of leaves {type(limit).__name__} out"
     if name == "push only":
         assert name in violated(rows, boundary - np.array([1e-9, 0, 0, 0, 0, 0]))
         assert violated(rows, boundary + np.array([1e-9, 0, 0, 0, 0, 0])) == []
     else:
         outward = np.where(np.arange(6) == 0, 0.0, boundary)
-        assert violated(rows, boundary + 1e-9 * outward) == [name]
+        assert violated(rows, boundary + 1e-9 * outward) == [name], "on one face alone, which fx doesn't decide"
         assert violated(rows, boundary - 1e-9 * outward) == []
     assert violated(rows, np.zeros(6)) == []
 

@@ -1,4 +1,4 @@
-"""Every limit sits a second exam, in plans: where it bites it is active by its name, with a margin of zero, at a cost;
+"""Limits sit a second exam, in plans: where one bites it is active by its name, with a margin of zero, at a cost;
 inside it is idle. Plans agree with cvxpy on the same problem, which here is written down from the limit's formula."""
 
 from __future__ import annotations
@@ -50,6 +50,7 @@ class Exam:
     formula: Any
     left: dict[str, Any] = field(default_factory=dict)
     cart_limits: tuple[Any, ...] = ()
+    cart: Any = shopping_cart
 
 
 def joint_torques(F):
@@ -124,9 +125,9 @@ EXAMS = {
 
 
 def test_every_cart_limit_sits_it():
-    """Whoever adds a limit of the cart: give it an exam, among EXAMS."""
     kinds = {thing for thing in vars(all_limits).values() if isinstance(thing, type) and issubclass(thing, CartLimit)}
-    assert kinds - {CartLimit, FloorLimit} == {type(one) for exam in EXAMS.values() for one in exam.cart_limits}
+    examined = {type(one) for exam in EXAMS.values() for one in exam.cart_limits}
+    assert kinds - {CartLimit, FloorLimit} == examined, "give each limit of the cart an exam, among EXAMS"
     assert kinds == {CartLimit, *_subclasses(CartLimit)}, "a limit is not in planning.limits"
 
 
@@ -139,7 +140,7 @@ def _subclasses(kind):
 def planner_of(exam, limited=True):
     known = {"weights": exam.left.get("weights", (1, 1, 1, 10, 10, 10))}
     left, limits = (exam.left, exam.cart_limits) if limited else (known, ())
-    return WrenchPlanner(shopping_cart(), hands(left), cart_limits=limits)
+    return WrenchPlanner(exam.cart(), hands(left), cart_limits=limits)
 
 
 @pytest.mark.parametrize("name", EXAMS)
@@ -167,9 +168,10 @@ def test_the_formula_in_cvxpy_agrees(name):
         cost = sum(
             cvxpy.sum_squares(cvxpy.multiply(np.sqrt(a.weights), f)) for a, f in zip(hands(exam.left), F, strict=True)
         )
-        reached = grasp_map_planar(LEFT)[[0, 2]] @ F[0] + grasp_map_planar(RIGHT)[[0, 2]] @ F[1]
+        free = exam.cart().basis_b.T  # the rows in which the cart moves
+        reached = free @ (grasp_map_planar(LEFT) @ F[0] + grasp_map_planar(RIGHT) @ F[1])
         box = np.array([90, 60, 40, 8, 8, 6.0])
-        held = [reached == np.array([wrench[0], wrench[2]]), *(cvxpy.abs(f) <= box for f in F), *exam.formula(F)]
+        held = [reached == free @ np.array(wrench), *(cvxpy.abs(f) <= box for f in F), *exam.formula(F)]
         tight = dict.fromkeys(("tol_gap_abs", "tol_gap_rel", "tol_feas"), 1e-10)
         best = cvxpy.Problem(cvxpy.Minimize(cost), held).solve(solver=cvxpy.CLARABEL, **tight)
         assert plan.effort == pytest.approx(best, rel=1e-6)
@@ -190,6 +192,14 @@ def test_optimal_plans_are_proven_and_others_certified(name, seed):
     reached = planner_of(exam).plan_or_hold(plan.nearest.wrench * (1 - 1e-7))
     assert plan.nearest.solution.residuals.feasible
     assert reached.status in ("optimal", "infeasible")
+
+
+@pytest.mark.parametrize("bounds", [(3.0, 5.0), (5.0, 3.0)])
+def test_of_limits_with_one_name_the_least_margin_is_told(bounds):
+    """A second one hid the first, though it was narrower."""
+    given = WrenchPlanner(shopping_cart(), hands({}), cart_limits=[SideForce(bound) for bound in bounds])
+    alone = WrenchPlanner(shopping_cart(), hands({}), cart_limits=[SideForce(3.0)])
+    assert given.plan((40, 0, 1)).margins == pytest.approx(alone.plan((40, 0, 1)).margins)
 
 
 def test_the_same_by_allocate():

@@ -57,8 +57,9 @@ def test_it_is_explained_as_the_general_road_does_whatever_came_after(places):
     warm, cold = planners(places)
     expected, plan = cold.plan_or_hold(BEYOND), warm.plan_or_hold(BEYOND)
     warm.plan((10.0, 0.0, 0.0), arms=[Arm("right", [(-0.3, -0.3, 0.9)], force_limit=(5.0, 5.0, 5.0))])
-    assert plan.certificate is not None
+    assert plan.explain().certificate is plan.certificate
     assert plan.certificate.verified
+    assert expected.explain() is expected
     assert plan.message == plan.certificate.words == expected.message
     np.testing.assert_allclose(plan.nearest.wrench, expected.nearest.wrench, rtol=1e-6, atol=1e-9)
     told, other = plan.as_dict(), expected.as_dict()
