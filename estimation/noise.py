@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from dataclasses import dataclass, fields
+from dataclasses import dataclass, fields, replace
 
 import numpy as np
 
@@ -67,6 +67,11 @@ class FilterNoise:
         """Scale of each component of the reduced wrench, for a force of 1 N: moments have the lever."""
         scale = {0: [1.0, 1.0, self.lever], 1: [1.0, self.lever], 2: [1.0]}
         return np.array(scale[cart.constraints.n_rows])
+
+    def scaled(self, variance_factors: Array) -> FilterNoise:
+        """With variances of velocities, linear and yaw (2,), that are so many times as large."""
+        linear, yaw = np.sqrt(variance_factors).tolist()
+        return replace(self, linear_velocity=linear * self.linear_velocity, yaw_rate=yaw * self.yaw_rate)
 
     @property
     def pose_covariance(self) -> Array:

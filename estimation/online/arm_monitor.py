@@ -1,5 +1,5 @@
-"""Arms whose wrenches can't be used: none has come, nobody has said where the arm holds, or they are far beyond what
-pushes such a cart, as numbers are that stand for no reading (-9999)."""
+"""Arms whose wrenches can't be used: none has come, nobody has said where the arm holds, they are no numbers, or far
+beyond what pushes such a cart, as numbers are that stand for no reading (-9999)."""
 
 from __future__ import annotations
 
@@ -20,12 +20,13 @@ MAX_WEIGHT_RATIO = 5.0
 
 
 class ArmMonitor:
-    """Notes of which arms there were wrenches and contacts so far, and which are too large in the last sample."""
+    """Notes of which arms there were wrenches and contacts so far, and which are none in the last sample."""
 
     def __init__(self, cart: CartModel, arms: Sequence[str] | None) -> None:
         self._asked, self._weight = arms, GRAVITY * cart.inertia.mass
         self._recorded, self._holding = set[str](), set[str]()
         self._too_large: dict[str, float] = {}
+        self._not_numbers: tuple[str, ...] = ()
 
     def within_range(self, measurement: Measurement) -> Measurement:
         """With numbers that are none for wrenches that are too large."""
@@ -33,6 +34,7 @@ class ArmMonitor:
             return measurement
         sizes = {arm: math.hypot(wrench[0], wrench[1], wrench[5]) for arm, wrench in measurement.wrenches.items()}
         self._too_large = {arm: size for arm, size in sizes.items() if size > MAX_WEIGHT_RATIO * self._weight}
+        self._not_numbers = tuple([arm for arm, size in sizes.items() if math.isnan(size)])
         if not self._too_large:
             return measurement
         nothing = dict.fromkeys(self._too_large, np.full(6, np.nan))
@@ -51,6 +53,8 @@ class ArmMonitor:
                 yield _missing(arm, f"no wrench of it has come; those that came are of {others}")
             elif arm not in self._holding:
                 yield _missing(arm, f"its wrenches come without a contact; give contacts={{{arm!r}: (x, y, z)}} once")
+        for arm in self._not_numbers:
+            yield _missing(arm, "its wrench is NaN: the sensor, or its driver, tells no number")
         for arm, size in self._too_large.items():
             times = f"{size / self._weight:.2g} times the weight of the cart"
             yield _missing(arm, f"its wrench is {times}: that is no reading, or it is not in N and N·m")

@@ -81,7 +81,7 @@ class CartFilter(OnlineEstimator[AlignedFilter]):
 
     @property
     def belief(self) -> Gaussian:
-        """Mean and covariance of pose, nu and effect memory, and of what else the filter carries after them."""
+        """Mean and covariance of pose, nu and effect memory."""
         return self._core.belief
 
     @property

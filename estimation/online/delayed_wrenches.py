@@ -18,12 +18,10 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth
+from .late_samples import TIME_TOLERANCE
 from .learning_filter import LearningFilter
 from .regressor.parameter_learner import ParameterLearner
 from .regressor.wrench_noise_scale import WrenchNoiseScale
-
-TIME_TOLERANCE = 1e-9
-"""s."""
 
 
 def longest_delay(cart: CartModel) -> float:
@@ -63,8 +61,8 @@ class DelayedWrenches:
         felt = self.time - self._delay
         self._held = (*self._held, replace(measurement, wrenches={}))
         while self._held and (self._held[0].time <= felt + TIME_TOLERANCE or core.time == -math.inf):
-            core.take(self._held[0])
-            self._held = self._held[1:]
+            first, self._held = self._held[0], self._held[1:]
+            core.take(first)
         if measurement.wrenches:
             self._recorded = (*(one for one in self._recorded if one.time > felt - TIME_TOLERANCE), measurement)
             if felt > core.time - TIME_TOLERANCE:

@@ -73,10 +73,11 @@ class _Sensor:
         self._run = self._run + 1 if is_again else 0
         if self._rows < SENSOR_CALIBRATION_ROWS:
             self._learn(wrench, is_again)
-        return self._longest is not None and self._run > self._longest and bool(wrench.any())
+        is_frozen = self._longest is not None and self._run > self._longest
+        return is_frozen and bool(wrench.any()) and bool(np.isfinite(wrench).all())
 
     def _learn(self, wrench: Array, is_again: bool) -> None:
-        if wrench.shape != (6,) or not np.isfinite(wrench).all():
+        if not np.isfinite(wrench).all():
             return
         change = wrench - self._wrench
         self._turned += change * self._change < 0.0

@@ -10,7 +10,6 @@ import math
 from dataclasses import dataclass, replace
 from typing import Generic, Protocol, Self, TypeVar
 
-from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement
 
@@ -18,6 +17,8 @@ from .regressor.wrench_noise_scale import WrenchNoiseScale
 
 MAX_SAMPLE_DELAY = 0.3
 """s: how late a sample may be."""
+TIME_TOLERANCE = 1e-9
+"""s, of stamps that were meant to be the same."""
 CHECKPOINT_INTERVAL = 0.1
 """s between states that are kept."""
 CLOCK_RESET_TIMEOUT = 0.5
@@ -75,8 +76,6 @@ class LateSamples(Generic[T]):
 
     def on_steady_clock(self, measurement: Measurement) -> Measurement:
         """The sample with the time of a clock that is never set back; `take` is to be given such."""
-        if not math.isfinite(measurement.time):
-            raise UsageError(f"measurement: time {measurement.time} is not finite")
         if not self.clock_offset:
             return measurement
         return replace(measurement, time=measurement.time + self.clock_offset)
@@ -95,11 +94,6 @@ class LateSamples(Generic[T]):
         self.clock_offset += gap
         return self._take(replace(measurement, time=measurement.time + gap))
 
-    @property
-    def last(self) -> list[Measurement]:
-        """The samples of the last moments, in order."""
-        return self._samples
-
     def scale_noise(self, noise_factors: Array) -> None:
         """Says to the state, and to those that it may go back to, how noisy velocities are."""
         kept = [*self._kept, *([] if self._after_late is None else [self._after_late])]
@@ -107,11 +101,11 @@ class LateSamples(Generic[T]):
             state.scale_noise(noise_factors)
 
     def _take(self, measurement: Measurement) -> bool:
-        if measurement.time >= self.state.time - 1e-9:
+        if measurement.time >= self.state.time - TIME_TOLERANCE:
             self._go_on(measurement)
             return True
         oldest = self.state.time - MAX_SAMPLE_DELAY
-        if not self._kept or measurement.time < max(oldest, self._kept[0].state.time):
+        if not self._kept or measurement.time < max(oldest - TIME_TOLERANCE, self._kept[0].state.time):
             return False
         while self._kept[-1].state.time > measurement.time:
             self._kept.pop()

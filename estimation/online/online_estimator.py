@@ -5,6 +5,7 @@ from __future__ import annotations
 import math
 from abc import ABC, abstractmethod
 from contextlib import suppress
+from dataclasses import replace
 from typing import ClassVar, Generic, TypeVar
 
 from cartgrasp.checks import brief
@@ -54,23 +55,22 @@ class OnlineEstimator(ABC, Generic[C]):
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
+        check_measurement(measurement)
         samples, watch = self._samples, self._sensor_monitor
-        try:
-            sample = samples.on_steady_clock(self._tracked.at_body(measurement))
-            sample = self._repeated_velocities.without_repeats(self._repeats.without_repeats(sample, self._motion))
-            sample = self._arms_seen.within_range(self._frozen.without_frozen(sample))
-            before = samples.state.time
-            is_taken = samples.take(sample)
-            self._clock.note(sample)
-            self._arms_seen.note(sample)
-            now = measurement.time + samples.clock_offset
-            is_slow = not now - before < SLOW_LOOP_INTERVAL
-            is_free = now >= watch.due and (is_slow or not samples.state.worked)
-            if is_free and watch.go_on(now, samples.last, at_once=is_slow):
-                samples.scale_noise(watch.noise_factors)
-        except (TypeError, ValueError, AttributeError, IndexError):
-            check_measurement(measurement)
-            raise
+        sample = samples.on_steady_clock(self._tracked.at_body(measurement))
+        sample = self._repeated_velocities.without_repeats(self._repeats.without_repeats(sample, self._motion))
+        sample = self._frozen.without_frozen(self._arms_seen.within_range(sample))
+        before = samples.state.time
+        is_taken = samples.take(sample)
+        self._clock.note(sample)
+        self._arms_seen.note(sample)
+        now = measurement.time + samples.clock_offset
+        if is_taken:
+            watch.samples.note(sample if sample.time == now else replace(sample, time=now), samples.state.time)
+        is_slow = not now - before < SLOW_LOOP_INTERVAL
+        is_free = now >= watch.samples.due and (is_slow or not samples.state.worked)
+        if is_free and watch.go_on(now, at_once=is_slow):
+            samples.scale_noise(watch.noise_factors)
         found = self.estimate
         self._motion = found.motion
         return found if is_taken else found._replace(health=Health.CLOCK)

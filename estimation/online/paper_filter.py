@@ -23,6 +23,7 @@ from cartgrasp.tracked_point import TrackedPoint
 
 from ..noise import FilterNoise
 from ..prior import PHYSICAL_UNITS, Prior
+from .arguments import check_measurement
 from .wrench_sensing import WrenchSensing
 
 DIVERGED = "diverged"
@@ -58,6 +59,7 @@ class PaperFilter:
         self._diverged = False
 
     def update(self, measurement: Measurement) -> Estimate:
+        check_measurement(measurement)
         measurement = self._tracked.at_body(measurement)
         self._sensing.note_contacts(measurement)
         if np.isnan(self._time):

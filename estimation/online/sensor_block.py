@@ -4,7 +4,7 @@ from __future__ import annotations
 
 import math
 from collections.abc import Mapping, Sequence
-from typing import Any, NamedTuple
+from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
@@ -19,9 +19,14 @@ MEDIAN_PER_STD = 0.6745
 """The median magnitude of a standard normal number."""
 MIN_NOISE_VELOCITIES = 8
 """Velocities that tell their noise."""
+SENSOR_BLOCK_DURATION = 0.25
+"""s, of a block."""
+MAX_BLOCK_SAMPLES = 64
+"""Samples of each sensor that are looked at."""
 MAX_MEASURED_VALUE = 1e9
 """SI: beyond, nothing was measured."""
 FULL_TURN = 2.0 * math.pi
+T = TypeVar("T")
 
 
 class SensorBlock(NamedTuple):
@@ -37,6 +42,34 @@ class SensorBlock(NamedTuple):
     noise: tuple[float, float] | None
 
 
+class SampleBuffer:
+    """Samples until they are looked at, in blocks that end as long ago as samples come late."""
+
+    def __init__(self) -> None:
+        self._noted: list[Measurement] = []
+        self._end, self._lateness = -math.inf, 0.0
+        self.due = -math.inf
+        """s: when there is a block."""
+
+    def note(self, measurement: Measurement, newest: float) -> None:
+        """A sample, where the newest is of that time (s)."""
+        self._noted.append(measurement)
+        late = newest - measurement.time
+        if late > self._lateness:
+            self.due, self._lateness = self.due + late - self._lateness, late
+
+    def block_at(self, time: float) -> list[Measurement]:
+        """What is of before a time (s), by as much as samples come late; it is handed over once."""
+        noted = sorted(self._noted, key=lambda one: one.time) if self._lateness else self._noted
+        self._end = end = time - self._lateness
+        self._noted = [one for one in noted if one.time > end]
+        return [one for one in noted if one.time <= end]
+
+    def begin(self) -> None:
+        """The next block, after the last one."""
+        self.due = self._end + self._lateness + SENSOR_BLOCK_DURATION
+
+
 def wrapped(angle: float) -> float:
     """The angle (rad) wrapped to [-pi, pi)."""
     return (angle + math.pi) % FULL_TURN - math.pi
@@ -44,7 +77,8 @@ def wrapped(angle: float) -> float:
 
 def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[float]] | None:
     """Mean time, place and headings; None where no pose is whole."""
-    rows = _whole([(m.time, *m.pose) for m in samples if m.pose is not None])
+    seen = _thinned([(m.time, m.pose) for m in samples if m.pose is not None])
+    rows = _whole([(time, *pose) for time, pose in seen])
     if rows is None:
         return None
     times, poses = rows[:, 0].tolist(), rows[:, 1:]
@@ -58,14 +92,20 @@ def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[f
 
 
 def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, tuple[float, float] | None]:
-    """The mean velocity, and the variances of its white noise: from second differences, which motion has no share
-    in."""
-    rows = _whole([m.velocity for m in samples if m.velocity is not None])
+    """The mean velocity, and the variances of its white noise: from second differences of those that follow each other,
+    which motion has no share in."""
+    seen = [m for m in samples if m.velocity is not None]
+    rows = _whole([m.velocity for m in _thinned(seen)])
     if rows is None:
         return None, None
-    noise = None
-    if len(rows) >= MIN_NOISE_VELOCITIES and samples[-1].time - samples[0].time < MAX_NOISE_INTERVAL * len(rows):
-        jumps = np.abs(rows[2:] - 2.0 * rows[1:-1] + rows[:-2])
+    noise, first = None, seen[:MAX_BLOCK_SAMPLES]
+    near = rows if len(first) == len(seen) else _whole([m.velocity for m in first])
+    if (
+        near is not None
+        and len(near) >= MIN_NOISE_VELOCITIES
+        and first[-1].time - first[0].time < MAX_NOISE_INTERVAL * len(near)
+    ):
+        jumps = np.abs(near[2:] - 2.0 * near[1:-1] + near[:-2])
         jumps.sort(axis=0)
         x, y, yaw = (jumps[len(jumps) // 2] / MEDIAN_PER_STD).tolist()
         noise = (x * x + y * y) / 12.0, yaw * yaw / 6.0
@@ -78,7 +118,7 @@ def wrenches_of(
     """The mean planar wrench (3,) of each arm in {b}; None where one of them, or where it holds, is not known."""
     found = list[list[float]]()
     for arm in arms:
-        rows = _whole([m.wrenches[arm] for m in samples if arm in m.wrenches])
+        rows = _whole(_thinned([m.wrenches[arm] for m in samples if arm in m.wrenches]))
         if rows is None or arm not in contacts:
             return None
         (fx, fy, _, _, _, tz), (x, y, *_) = _mean(rows), contacts[arm]
@@ -86,6 +126,11 @@ def wrenches_of(
         fx, fy = cosine * fx - sine * fy, sine * fx + cosine * fy
         found.append([fx, fy, float(x * fy - y * fx) + tz])
     return found or None
+
+
+def _thinned(rows: Sequence[T]) -> Sequence[T]:
+    """Evenly, of one sensor: sensors that take turns would be thinned to one of them."""
+    return rows[:: max(1, math.ceil(len(rows) / MAX_BLOCK_SAMPLES))]
 
 
 def _whole(rows: Sequence[Any]) -> Array | None:

@@ -35,12 +35,18 @@ from .competing_explanations import (
 )
 from .direction_monitor import DirectionMonitor
 from .power_balance import PowerBalance
-from .sensor_block import FULL_TURN, HEADING_FACTORS, SensorBlock, poses_of, velocities_of, wrapped, wrenches_of
+from .sensor_block import (
+    FULL_TURN,
+    HEADING_FACTORS,
+    SENSOR_BLOCK_DURATION,
+    SampleBuffer,
+    SensorBlock,
+    poses_of,
+    velocities_of,
+    wrapped,
+    wrenches_of,
+)
 
-SENSOR_BLOCK_DURATION = 0.25
-"""s, of a block."""
-MAX_BLOCK_SAMPLES = 64
-"""Samples of a block that are looked at."""
 RETAINED_PROBABILITY = 0.5
 """Probability down to which what was told stays so."""
 MAX_PLAUSIBLE_SPEED = 40.0
@@ -67,7 +73,7 @@ NOISE_AVERAGING_BLOCKS, MIN_NOISE_BLOCKS, MIN_NOISE_RATIO = 16.0, 6.0, 1.5
 
 
 class SensorMonitor:
-    """Looks at the samples of each block, from the time when it is `due` on, by one piece in a call."""
+    """Looks at `samples`, a block each, from the time when one is due on, by one piece in a call."""
 
     def __init__(
         self, cart: CartModel, arms: Sequence[str] | None, noise: FilterNoise, prior: Prior, yaws: Mapping[str, float]
@@ -79,7 +85,7 @@ class SensorMonitor:
         self._mass_matrix, self._along = mass_matrix_b(cart.inertia.phi), cart.rolling.along_b
         self._slip = _slip(cart)
         self._contacts: dict[str, Array] = {}
-        self.due, self._begun = -math.inf, -math.inf
+        self.samples = SampleBuffer()
         self._work: Iterator[None] | None = None
         self._blocks: tuple[SensorBlock, ...] = ()
         self._sideways = self._turning = CompetingExplanations((0.0,) * len(HEADING_FACTORS))
@@ -93,40 +99,39 @@ class SensorMonitor:
         self.noise_factors = np.ones(2)
         """Variances of velocities, linear and yaw, over the declared ones, where they are larger."""
 
-    def go_on(self, time: float, samples: Sequence[Measurement], *, at_once: bool) -> bool:
-        """Goes on with the last samples up to a time (s), by a piece or `at_once`; says whether the noise is now known
-        to be another."""
+    def go_on(self, time: float, *, at_once: bool) -> bool:
+        """Goes on at a time (s), by a piece or `at_once`; says whether the noise is now known to be another."""
         before = self.noise_factors
         with np.errstate(all="ignore"):  # numbers may be beyond reason
             if self._work is None:
-                self._work = self._looks([one for one in samples if one.time > self._begun])
-                self._begun = time
+                self._work = self._looks(self.samples.block_at(time))
             for _ in self._work:
                 if not at_once:
                     break
             else:
-                self._work, self.due = None, self._begun + SENSOR_BLOCK_DURATION
+                self._work = None
+                self.samples.begin()
         return self.noise_factors is not before
 
     # --- a block ---------------------------------------------------------------------------------------------
 
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
         """Looks at a block of samples, in pieces."""
-        few = samples[:: 1 + len(samples) // MAX_BLOCK_SAMPLES]
-        moved = poses_of(few)
+        for measurement in samples:
+            self._contacts.update(measurement.contacts)
+        moved = poses_of(samples)
         if moved is None:
             self._blocks = ()
             return
         yield
-        velocity, noise = velocities_of(samples[:MAX_BLOCK_SAMPLES])
+        velocity, noise = velocities_of(samples)
         if noise is not None:
             self._note_noise(noise)
         yield
-        for measurement in few:
-            self._contacts.update(measurement.contacts)
         if self._takes_all:
-            self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in few for arm in m.wrenches]]))
-        block = SensorBlock(*moved, velocity, wrenches_of(few, self._contacts, self._arms, self._yaws), noise)
+            self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in samples for arm in m.wrenches]]))
+        wrenches = wrenches_of(samples, self._contacts, self._arms, self._yaws)
+        block = SensorBlock(*moved, velocity, wrenches, noise)
         if math.isnan(self._first_heading):
             self._first_heading = block.headings[0]
         if (

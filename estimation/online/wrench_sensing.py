@@ -13,10 +13,8 @@ from typing import NamedTuple, Self
 
 import numpy as np
 
-from cartgrasp.checks import MAX_DISTANCE
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.effects.effect import HAND_AT_REST, HandMotion
-from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
@@ -99,9 +97,6 @@ class WrenchSensing:
         x, y, z = map(float, told)
         if not math.isfinite(x + y):
             return
-        if max(abs(x), abs(y)) > MAX_DISTANCE:
-            where = f"({x:g}, {y:g}) is more than {MAX_DISTANCE:g} m from {{b}}"
-            raise UsageError(f"measurement: contacts: {arm}: {where}; give m")
         contact, known = [x, y, z if math.isfinite(z) else 0.0], self._holds.get(arm)
         if known is not None and known.contact == contact:
             return
@@ -110,12 +105,10 @@ class WrenchSensing:
 
     def gripped(self, measurement: Measurement, parameters: Array, moving: Moving | None = None) -> Grip:
         """The grip with the arms' wrenches in it, as they were felt; their reduced partials are in `by_parameters`. It
-        has no arms where an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known.
-        Arms may come in samples of their own: a wrench is held for as long as all of them are. `moving` is the cart
-        where sensors feel it (None: at rest)."""
+        has no arms where an arm's wrench or contact is missing, or jumps beyond belief: the total is then not known. A
+        wrench that is NaN stays so. Arms may come in samples of their own: a wrench is held for as long as all of them
+        are. `moving` is the cart where sensors feel it (None: at rest)."""
         recorded = measurement.wrenches
-        if any(len(wrench) != 6 for wrench in recorded.values()):
-            raise ValueError("a wrench has six components")  # `check_measurement` says which
         if self._takes_all:
             self._note_arms(recorded)
         grip = self._grip = self._grip or self._new_grip()

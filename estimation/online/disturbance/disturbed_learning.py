@@ -67,8 +67,8 @@ class DisturbedLearning:
         made_of = with_unknown_slope(made_of)
         cart, arms, noise, prior, yaws = made_of
         self.cart, self.prior, self.response = cart, prior, response
-        self._observer = DisturbanceObserver(cart, noise, response, prior)
-        self._ahead = DisturbanceObserver(cart, noise, FEEDFORWARD_RESPONSE_RATIO * response, prior)
+        self._observer = self._as_declared = DisturbanceObserver(cart, noise, response, prior)
+        self._ahead = replace(self._observer, response=FEEDFORWARD_RESPONSE_RATIO * response)
         unseen = self._observer.deviation * math.sqrt(response)
         self._careful = with_delays_removed(core_of(made_of, unseen=unseen), cart)
         self._quick = with_delays_removed(core_of(made_of), cart)
@@ -117,6 +117,8 @@ class DisturbedLearning:
         for one in (self._careful, self._quick, self._open):
             if one is not None:
                 one.scale_noise(noise_factors)
+        self._observer = replace(self._as_declared, noise=self._as_declared.noise.scaled(noise_factors))
+        self._ahead = replace(self._observer, response=self._ahead.response)
 
     def copy(self) -> Self:
         other = shallow_copy(self)
@@ -129,7 +131,7 @@ class DisturbedLearning:
         told, observed, disturbance = self._known, self._observed, self._disturbance
         assert told is not None  # a sample has come
         if observed is None or disturbance is None:
-            return told
+            return told._replace(time=self.time)
         health, is_silent = told.health, self.time - self._felt > SENSOR_TIMEOUT
         if health == Health.NO_WRENCH and math.isfinite(self._felt) and not is_silent:  # they are there, and wait
             health = Health.OUTLIERS if math.isfinite(self._kept_back) else Health.OK
