@@ -1,10 +1,11 @@
 # Everything runs in .venv, which `make setup` fills from the lock; a target that needs it calls setup itself.
 
-BIN := .venv/bin
-READY := .venv/.set-up
-READY_FOR_BENCH := .venv/.set-up-bench
+VENV := .venv
+BIN := $(VENV)/bin
+READY := $(VENV)/.set-up
+READY_FOR_BENCH := $(VENV)/.set-up-bench
 # pip is mute for a minute, which looks like one that hangs: a line every five seconds says how far it is.
-PIP_INSTALL := .ci/with-progress $(BIN)/pip install -qq --disable-pip-version-check
+PIP_INSTALL := VENV=$(VENV) .ci/with-progress $(BIN)/pip install -qq --disable-pip-version-check
 PACKAGES := cartgrasp estimation planning
 
 # The matrices are tiny, so threads inside BLAS only cost; and nothing here may open a window.
@@ -15,13 +16,14 @@ PYTHON := python3 python3.11 python3.12 python3.13
 
 .DEFAULT_GOAL := help
 .DELETE_ON_ERROR:
-.PHONY: help setup demo test test-quick prove sealed floors measured lint format docs bench lock clean
+.PHONY: help setup demo test test-quick test-other prove sealed floors measured lint format docs bench lock clean
 
 help:
 	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
 	@echo "make demo     run the demonstration; its pages go to out/demo"
 	@echo "make test     run the tests"
 	@echo "make test-quick  of these what takes little, of the library alone: for daily work"
+	@echo "make test-other  the same on another Python, in .venv-other (PYTHON=python3.13)"
 	@echo "make prove    run the long proofs that make test leaves out"
 	@echo "make sealed   name effects hidden in generated logs, and score what was named (SEEDS=0:4; hours)"
 	@echo "make floors   from which share of its usual size on an effect is named (SEEDS, SHARES; hours)"
@@ -65,7 +67,7 @@ $(BIN)/pip:
 	    echo "$$python can't make a virtual environment: install its venv module (Debian: $${python##*/}-venv)." >&2; \
 	    exit 1; \
 	fi; \
-	$$python -m venv .venv
+	$$python -m venv $(VENV)
 
 demo: setup
 	$(ENV) $(BIN)/cartgrasp demo --out out/demo
@@ -78,6 +80,9 @@ test: setup
 OF_THE_LIBRARY := $(addprefix tests/,core effects estimation logs planning simulation test_architecture.py test_mistakes.py test_writing.py)
 test-quick: setup
 	$(ENV) $(BIN)/python -m pytest -n 2 --dist=worksteal -m "not prove and not long" $(OF_THE_LIBRARY)
+
+test-other:
+	$(MAKE) test-quick VENV=.venv-other PYTHON="$(PYTHON)"
 
 # pytest's exit status 5 says that no test is marked `prove`.
 prove: setup
@@ -143,4 +148,4 @@ lock: | $(BIN)/pip
 
 clean:
 	rm -rf out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis
-	find . -name .venv -prune -o -name __pycache__ -prune -exec rm -rf {} +
+	find . -name '.venv*' -prune -o -name __pycache__ -prune -exec rm -rf {} +
