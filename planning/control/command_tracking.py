@@ -27,30 +27,31 @@ any more."""
 
 @dataclass(frozen=True)
 class CommandTracking:
-    """By arm, exponentially weighted means of commanded · measured and of commanded · commanded force, N²; over how
+    """By arm, exponentially weighted means of commanded · measured and of commanded · commanded force, N², and over how
     long (s); and the idle arms, with the share of their commands that they give."""
 
     cross_power: Mapping[str, float] = field(default_factory=dict)
     command_power: Mapping[str, float] = field(default_factory=dict)
-    lasting: float = 0.0
+    lasting: Mapping[str, float] = field(default_factory=dict)
     idle: Mapping[str, float] = field(default_factory=dict)
 
     def after(self, commanded: Mapping[str, Array], measured: Mapping[str, Array], duration: float) -> CommandTracking:
         """So many s later, in which arms were to give wrenches (6,) in {a}, and gave the measured ones."""
         kept = math.exp(-duration / FORGETTING_TIME_CONSTANT)
-        cross, power = dict(self.cross_power), dict(self.command_power)
+        cross, power, lasting = dict(self.cross_power), dict(self.command_power), dict(self.lasting)
         for arm in measured.keys() & commanded.keys():
             fx, fy, fz = commanded[arm][:3].tolist()
             x, y, z = np.asarray(measured[arm], dtype=float)[:3].tolist()
             cross[arm] = kept * cross.get(arm, 0.0) + (1.0 - kept) * (fx * x + fy * y + fz * z)
             power[arm] = kept * power.get(arm, 0.0) + (1.0 - kept) * (fx * fx + fy * fy + fz * fz)
-        return CommandTracking(cross, power, self.lasting + duration, self._idle(cross, power))
+            lasting[arm] = lasting.get(arm, 0.0) + duration
+        return CommandTracking(cross, power, lasting, self._idle(cross, power))
 
     def _idle(self, cross_power: Mapping[str, float], command_power: Mapping[str, float]) -> Mapping[str, float]:
-        if self.lasting < FORGETTING_TIME_CONSTANT:
-            return {}
         found = {}
         for arm, power in command_power.items():
+            if self.lasting.get(arm, 0.0) < FORGETTING_TIME_CONSTANT:
+                continue
             was_idle = arm in self.idle
             rms, share = (PROBE_FORCE / 2.0, RETURN_FRACTION) if was_idle else (MIN_COMMAND_RMS, IDLE_FRACTION)
             if power > rms**2 and abs(cross_power[arm]) < share * power:  # also where a sensor has the other sign

@@ -168,7 +168,7 @@ class Controller:
         self._steady_time = 0.0  # s, which never goes back
         self._stop = DRIVING
         self._knows_where = False  # once a pose was seen
-        self._command_tracking, self._last_wrench_time = CommandTracking(), -math.inf
+        self._command_tracking, self._last_wrench_times = CommandTracking(), dict[str, float]()
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -185,6 +185,7 @@ class Controller:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate = self.observe(measurement)
         time = measurement.time
+        elapsed = self._elapsed(time)
         self._steady_time += min(max(time - self._time, 0.0), MAX_STEP_GAP)
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
@@ -199,8 +200,10 @@ class Controller:
             given = Given(probed(plan.contact_wrenches, self._idle), plan)
         else:
             ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told, stop)
-            given = self._with_hands(self._regrasps, chosen, ahead, (time, estimate.health))
-        self._time, self._held = time, given.wrenches.contacts
+            given = self._with_hands(self._regrasps, chosen, ahead, (elapsed, estimate.health))
+        if not -MAX_STEP_GAP <= time - self._time < 0.0:  # a stamp out of order sets no clock back
+            self._time = time
+        self._held = given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
         self._last = Step(
             time, given.wrenches, given.plan, estimate, reference, hands, chosen.why, kept, slowed, self._idle
@@ -215,15 +218,21 @@ class Controller:
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         if not measurement.contacts.keys() >= measurement.wrenches.keys():
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
-        since = measurement.time - self._last_wrench_time
-        if self._last is not None and measurement.wrenches and not -MAX_STEP_GAP <= since <= 0.0:
-            elapsed = min(since, MAX_STEP_GAP) if 0.0 < since < math.inf else 0.0  # none where the clock was set back
-            self._last_wrench_time = measurement.time
-            self._command_tracking = self._command_tracking.after(self._last.wrenches, measurement.wrenches, elapsed)
+        if self._last is not None:
+            self._track_commands(self._last.wrenches, measurement)
         estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
         return estimate
+
+    def _track_commands(self, commanded: Mapping[str, Array], measurement: Measurement) -> None:
+        """What each arm gives of its command; they may tell it in samples of their own."""
+        for arm, wrench in measurement.wrenches.items():
+            since = measurement.time - self._last_wrench_times.get(arm, -math.inf)
+            if not -MAX_STEP_GAP <= since <= 0.0:
+                elapsed = min(since, MAX_STEP_GAP) if 0.0 < since < math.inf else 0.0  # none: the clock was set back
+                self._last_wrench_times[arm] = measurement.time
+                self._command_tracking = self._command_tracking.after(commanded, {arm: wrench}, elapsed)
 
     @property
     def is_done(self) -> bool:
@@ -270,13 +279,22 @@ class Controller:
 
     # --- within a tick ------------------------------------------------------------------------------------
 
+    @property
+    def _longest_gap(self) -> float:
+        """s between ticks; longer is a pause, in which neither path nor hands go on."""
+        return max(MAX_STEP_GAP, 2.0 * self.period)
+
+    def _elapsed(self, time: float) -> float:
+        """s since the last tick in which path and hands went on: none after a pause, nor where the clock went back."""
+        elapsed = time - self._time
+        return elapsed if 0.0 < elapsed <= self._longest_gap else 0.0
+
     def _paced(self, estimate: Estimate, time: float) -> tuple[Reference, float, str]:
         """Where to be, how far along the reference that is (s), and why that is behind."""
         caution, last = self._caution, self._last
-        elapsed, longest = time - self._time if math.isfinite(self._time) else 0.0, max(MAX_STEP_GAP, 2.0 * self.period)
         waits = "" if self._knows_where else WAITING_FOR_POSE
         if caution is None:
-            self._pace = Pace(self._pace.along + (elapsed if 0.0 < elapsed <= longest else 0.0))
+            self._pace = Pace(self._pace.along + self._elapsed(time))
             return self._pace.reference(self.reference, time), self._pace.along, waits
         there = last.reference if last is not None and self._pace.share > 0.0 else self.reference.at(self._pace.along)
         if self._knows_where:
@@ -293,7 +311,8 @@ class Controller:
         wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, waits)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
-        self._pace = self._pace.after(elapsed, wanted, caution.change, longest)
+        elapsed = time - self._time if math.isfinite(self._time) else 0.0
+        self._pace = self._pace.after(elapsed, wanted, caution.change, self._longest_gap)
         return self._pace.reference(self.reference, time), self._pace.along, slowed
 
     def _wanted(self, reference: Reference, believed: Estimate, model: CartModel) -> Array:
@@ -364,11 +383,12 @@ class Controller:
         return told if self._caution is None else self._caution.widened(told)
 
     def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
-        """One that regrasps goes on; another may only leave while the senses are there. `now` are time and health."""
-        time, health = now
+        """One that regrasps goes on; another may only leave while the senses are there. `now` are the s elapsed and
+        health."""
+        elapsed, health = now
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
-        regrasps.go_on(max(0.0, time - self._time), self._idle.keys())
+        regrasps.go_on(elapsed, self._idle.keys())
         if health not in SENSES_LOST_HEALTHS:
-            regrasps.send(chosen.contacts, ahead)
+            regrasps.send(chosen.contacts, ahead, self._steady_time)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)

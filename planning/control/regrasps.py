@@ -119,16 +119,16 @@ class Regrasps:
         self._last = None, wrenches
         self._start_from(self.busy)
 
-    def send(self, contacts: Mapping[str, Array], ahead: Ahead) -> None:
-        """The first hand that is to hold elsewhere, and may, is sent there."""
+    def send(self, contacts: Mapping[str, Array], ahead: Ahead, time: float) -> None:
+        """The first hand that is to hold elsewhere, and may, is sent there; `time` (s) goes on where the cart waits."""
         for name, hand in self.hands.items():
             target = point_of(contacts[name])
             if target == hand.point or hand.phase is not Phase.HOLDS:
                 self.kept.pop(name, None)
-            elif self.busy is None and self._is_due(name, target, ahead.time):
+            elif self.busy is None and self._is_due(name, target, time):
                 why = self._why_not(name, target, ahead)
                 if why:
-                    self.kept[name], self._asked[name] = why, (target, ahead.time)
+                    self.kept[name], self._asked[name] = why, (target, time)
                     continue
                 self.kept.pop(name, None)
                 self.hands[name] = hand.sent(target)
@@ -200,6 +200,8 @@ class Regrasps:
     def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
         if why := why_no_posture(self._arms[name], target):
             return why
+        if idle := sorted(self._idle - {name}):
+            return f"{', '.join(idle)} gives little of what it is told"
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
             lasting = self._times.lasting(distance)

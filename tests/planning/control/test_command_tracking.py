@@ -37,7 +37,7 @@ def test_a_steady_share_is_that_share(share, size, steps):
     watched, told = CommandTracking(), np.array([size, 0.5 * size, 0.0, 1.0, 2.0, 3.0])
     for duration in steps:
         watched = watched.after({"left": told}, {"left": share * told}, duration)
-    if watched.lasting >= 2.0 and np.linalg.norm(told[:3]) > 1.01 * MIN_COMMAND_RMS:
+    if watched.lasting["left"] >= 2.0 and np.linalg.norm(told[:3]) > 1.01 * MIN_COMMAND_RMS:
         assert watched.idle == (pytest.approx({"left": share}) if abs(share) < IDLE_FRACTION else {})
     if np.linalg.norm(told[:3]) < MIN_COMMAND_RMS:
         assert not watched.idle

@@ -13,7 +13,8 @@ from cartgrasp.roles import ContactChoice
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise
 from planning import Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause
-from planning.control.hand import Phase
+from planning.control.hand import Phase, RegraspTimes
+from planning.control.regrasps import Ahead, Regrasps
 from planning.references import speed_change, turn
 
 from .driving import ticks
@@ -98,3 +99,89 @@ def test_it_gives_what_is_least_by_its_objective():
     assert side[1] < 0.2 * side[0]
     with pytest.raises(UsageError, match="objective, cart_limits and confidence are the planner's"):
         Controller(CART, arms(), CURVES, planner=WrenchPlanner(CART, arms()), objective=LeastSideForce())
+
+
+def still(wrench, time=0.0):
+    """A cart at rest that is to stay, and a wrench (3,) for now."""
+    rest = cg.Motion(np.zeros(3), np.zeros(2))
+    return Ahead(PathReference(chain(pause(9.0))), CART, rest, time, np.asarray(wrench, dtype=float))
+
+
+@pytest.fixture
+def hands():
+    """Of two arms, which hold at their first places."""
+    made = Regrasps(WrenchPlanner(CART, arms(), relax=np.inf), arms(), RegraspTimes(), 0.05)
+    made.begin({"left": np.array([-0.25, 0.2, 1.0]), "right": np.array([-0.25, -0.2, 1.0])})
+    return made
+
+
+AWAY = {"left": np.array([0.1, 0.2, 0.9]), "right": np.array([-0.25, -0.2, 1.0])}
+
+
+def test_a_hand_that_may_not_go_is_asked_again_while_the_path_waits(hands):
+    """The time along the path stands still then, and with it stood the answer."""
+    hands.send(AWAY, still([500.0, 0.0, 0.0]), 0.0)
+    assert "can't bear" in hands.kept["left"]
+    hands.send(AWAY, still([5.0, 0.0, 0.0]), 1.0)
+    assert hands.hands["left"].phase is not Phase.HOLDS
+
+
+def test_no_hand_leaves_the_cart_to_an_arm_that_gives_little(hands):
+    hands.go_on(0.01, {"right"})
+    hands.send(AWAY, still([5.0, 0.0, 0.0]), 0.0)
+    assert hands.kept["left"] == "right gives little of what it is told"
+    hands.go_on(0.01)
+    for _ in range(200):
+        hands.go_on(0.01)
+    hands.send(AWAY, still([5.0, 0.0, 0.0]), 5.0)
+    assert hands.hands["left"].phase is not Phase.HOLDS
+
+
+def scripted(reference=BRAKES):
+    return Controller(CART, arms(), reference, contacts=Leaves(arms(), 0.1), caution=None, learn=False)
+
+
+SLACK = {"left": np.zeros(6), "right": np.zeros(6)}
+
+
+def at(time, **parts):
+    return cg.Measurement(time, np.zeros(3), np.zeros(3), **parts)
+
+
+@pytest.mark.parametrize("phase", [Phase.UNLOADS, Phase.MOVES, Phase.LOADS])
+def test_hands_go_no_farther_in_a_pause(phase):
+    """Neither along a ramp nor along their way, as the path does not."""
+    controller = scripted(PathReference(chain(pause(9.0))))
+    for time in 0.01 * np.arange(400):
+        step = controller.step(at(time, wrenches=SLACK))
+        if step.hands["left"].phase is phase:
+            break
+    assert step.hands["left"].phase is phase
+    later = controller.step(at(time + 5.0, wrenches=SLACK))
+    assert later.hands["left"] == step.hands["left"]
+    assert np.abs(later.wrenches["left"] - step.wrenches["left"]).max() < 20.0
+
+
+def test_stamps_out_of_order_make_no_time():
+    """Each second one 10 ms back: the path went twice as fast."""
+    controller = scripted()
+    for k in range(60):
+        controller.step(at(0.01 * k))
+        controller.step(at(0.01 * k - 0.01))
+    steady = scripted()
+    for k in range(60):
+        steady.step(at(0.01 * k))
+    found, expected = (one.step(at(0.6)).reference for one in (controller, steady))
+    np.testing.assert_allclose(found.pose_sb, expected.pose_sb, atol=1e-9)
+    np.testing.assert_allclose(found.velocity, expected.velocity, atol=1e-9)
+
+
+def test_arms_that_tell_in_turn_are_watched_each():
+    controller, idle = scripted(), []
+    for k in range(60):
+        step = controller.step(at(0.01 * k))
+        idle.append(step.idle)
+        for arm, share in (("left", 1.0), ("right", 0.0)):
+            controller.observe(cg.Measurement(0.01 * k + 0.001, wrenches={arm: share * step.wrenches[arm]}))
+    assert {name for one in idle for name in one} == {"right"}
+    assert "right" in idle[35]
