@@ -76,6 +76,8 @@ class KernelProgressLines:
         say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
 
 
+RECORDING_SUFFIXES = (".mcap", ".db3", ".yaml")
+"""Endings of what stands in the folder that a recorder wrote."""
 PROGRESS_INTERVAL = 20.0
 """s between lines of progress where nobody draws a bar."""
 
@@ -140,5 +142,8 @@ def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> N
             raise UsageError(f"{option} {path}: there is no folder {path.parent}; make it, or name another place")
         if any(one and os.path.exists(one) and path.exists() and path.samefile(one) for one in inputs):
             raise UsageError(f"{option} {path}: is read by this command; name another file")
+        for folder in (one for one in inputs if one and os.path.isdir(one)):
+            if path.exists() and path.suffix in RECORDING_SUFFIXES and path.resolve().is_relative_to(folder.resolve()):
+                raise UsageError(f"{option} {path}: is of the recording {folder}; name another file")
     except OSError as error:
         raise UsageError(f"{option} {path}: can't be written: {error.strerror}; name another file") from error

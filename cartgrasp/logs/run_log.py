@@ -138,7 +138,8 @@ class RunLog:
         return np.column_stack([self.time, self.pose, *velocity, *arms])
 
     def thinned(self, rate: float = 250.0) -> RunLog:
-        """At most `rate` rows a second: poses at the start of each bin of rows, wrenches averaged over it."""
+        """About `rate` rows a second, each of a bin of rows: the fullest pose, at its own time, the fullest velocity
+        and contact, and the mean of the wrenches that are there. Sensors may have rates of their own."""
         with np.errstate(over="ignore"):
             step = float(np.median(np.diff(self.time))) if len(self) > 1 else np.inf
         size = int(min(1.0 / (rate * step) + 1e-6, len(self)))
@@ -146,12 +147,21 @@ class RunLog:
             return self
         n = len(self) // size * size
 
-        def mean(columns: Array) -> Array:
-            return np.asarray(columns[:n].reshape(-1, size, columns.shape[1]).mean(axis=1))
+        def fullest(columns: Array) -> Array:
+            known = np.isfinite(columns[:n]).sum(axis=1).reshape(-1, size)
+            return np.asarray(np.arange(0, n, size) + known.argmax(axis=1))
 
-        arms = {name: ArmLog(arm.contact[:n:size], mean(arm.wrench)) for name, arm in self.arms.items()}
-        velocity = None if self.velocity is None else self.velocity[:n:size]
-        return replace(self, time=self.time[:n:size], pose=self.pose[:n:size], velocity=velocity, arms=arms)
+        def mean(columns: Array) -> Array:
+            values = columns[:n].reshape(-1, size, columns.shape[1])
+            there = ~np.isnan(values).all(axis=2, keepdims=True)
+            count = there.sum(axis=1)
+            total = np.where(there, values, 0.0).sum(axis=1)
+            return np.asarray(np.where(count > 0, total / np.maximum(count, 1), np.nan))
+
+        rows = fullest(self.pose)
+        arms = {name: ArmLog(arm.contact[fullest(arm.contact)], mean(arm.wrench)) for name, arm in self.arms.items()}
+        velocity = None if self.velocity is None else self.velocity[fullest(self.velocity)]
+        return replace(self, time=self.time[rows], pose=self.pose[rows], velocity=velocity, arms=arms)
 
     def measurements(self) -> Iterator[Measurement]:
         """The rows one after another; a part that is missing whole is left out."""

@@ -146,6 +146,17 @@ def test_salvage_is_asked_for(capsys, tmp_path):
     assert 50 < len(read_log(out)) < 100
 
 
+def test_a_recording_is_not_written_over(capsys, tmp_path, csv):
+    """It is given as the folder that a recorder wrote; another log may stand in there."""
+    folder = tmp_path / "recording"
+    folder.mkdir()
+    bag = files.write_mcap(folder / "run_0.mcap", push())
+    (folder / "topics.yaml").write_text(MAP)
+    before = bag.read_bytes()
+    run(capsys, "convert", folder, "--out", bag).refused(2, "is of the recording")
+    assert bag.read_bytes() == before
+
+
 def test_wrong_usage(capsys, tmp_path, csv):
     run(capsys, "convert", csv).refused(2, "--out")
     run(capsys, "convert", csv, "--out", tmp_path / "run.xlsx").refused(2, ".csv, .parquet, .mcap")
