@@ -197,4 +197,4 @@ def clock_fault(time: Array, word: str) -> tuple[int, str] | None:
         return None
     i = int(back[0]) + 1
     step = "repeats" if time[i] == time[i - 1] else "goes back on"
-    return i, f"{time[i]:.9g} s {step} {time[i - 1]:.9g} s of the row before; {word} must increase strictly"
+    return i, f"{time[i]:.15g} s {step} {time[i - 1]:.15g} s of the row before; {word} must increase strictly"

@@ -95,9 +95,9 @@ class RunLog:
         right[1:] &= self.time[1:] > self.time[:-1]
         if not right.all():
             i = int(np.argmin(right))
-            before = f" after {self.time[i - 1]:.9g} s" if i else ""
+            before = f" after {self.time[i - 1]:.15g} s" if i else ""
             why = "must be finite and increase strictly; leave such rows out, or mend their clock"
-            raise DataError(f"{self.name}: time: {self.time[i]:.9g} s in row {i}{before}: times {why}")
+            raise DataError(f"{self.name}: time: {self.time[i]:.15g} s in row {i}{before}: times {why}")
 
     def _check_arms(self) -> None:
         cure = 'write {"left": ArmLog(contact, wrench)}, or {} where nobody touches the cart'

@@ -34,6 +34,13 @@ def test_thinning_averages_wrenches_and_picks_poses(step, size):
         assert thin.arms["left"].wrench[i] == pytest.approx(log.arms["left"].wrench[part].mean(axis=0))
 
 
+def test_a_clock_that_goes_back_is_told_to_the_digit():
+    """In unix time, too: nine digits said that 1.7e+09 s came after 1.7e+09 s."""
+    time = 1.7e9 + np.array([0.0, 0.25, 0.125])
+    with pytest.raises(DataError, match=r"1700000000\.125 s in row 2 after 1700000000\.25 s"):
+        RunLog(time, np.zeros((3, 3)), None, {})
+
+
 def test_slow_logs_stay():
     for step in (0.004, 0.01, 0.0033, 1.0):
         log = even_log(20, step)
