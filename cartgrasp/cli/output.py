@@ -76,8 +76,6 @@ class KernelProgressLines:
         say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
 
 
-RECORDING_SUFFIXES = (".mcap", ".db3", ".yaml")
-"""Endings of what stands in the folder that a recorder wrote."""
 PROGRESS_INTERVAL = 20.0
 """s between lines of progress where nobody draws a bar."""
 
@@ -143,7 +141,10 @@ def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> N
         if any(one and os.path.exists(one) and path.exists() and path.samefile(one) for one in inputs):
             raise UsageError(f"{option} {path}: is read by this command; name another file")
         for folder in (one for one in inputs if one and os.path.isdir(one)):
-            if path.exists() and path.suffix in RECORDING_SUFFIXES and path.resolve().is_relative_to(folder.resolve()):
+            from ..logs import STORAGES  # with numpy
+
+            is_inside = path.exists() and path.resolve().is_relative_to(folder.resolve())
+            if is_inside and path.suffix in STORAGES:
                 raise UsageError(f"{option} {path}: is of the recording {folder}; name another file")
     except OSError as error:
         raise UsageError(f"{option} {path}: can't be written: {error.strerror}; name another file") from error

@@ -185,7 +185,6 @@ class Controller:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate = self.observe(measurement)
         time = measurement.time
-        elapsed = self._elapsed(time)
         self._steady_time += min(max(time - self._time, 0.0), MAX_STEP_GAP)
         reference, along, slowed = self._paced(estimate, time)
         believed = self._believed(estimate)
@@ -200,7 +199,7 @@ class Controller:
             given = Given(probed(plan.contact_wrenches, self._idle), plan)
         else:
             ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told, stop)
-            given = self._with_hands(self._regrasps, chosen, ahead, (elapsed, estimate.health))
+            given = self._with_hands(self._regrasps, chosen, ahead, (self._elapsed(time), estimate.health))
         if not -MAX_STEP_GAP <= time - self._time < 0.0:  # a stamp out of order sets no clock back
             self._time = time
         self._held = given.wrenches.contacts

@@ -8,6 +8,7 @@ import json
 import numpy as np
 import pytest
 
+from cartgrasp.cli.output import check_writable
 from cartgrasp.logs import read_log
 
 from ..logs import bag_files as files
@@ -155,6 +156,9 @@ def test_a_recording_is_not_written_over(capsys, tmp_path, csv):
     before = bag.read_bytes()
     run(capsys, "convert", folder, "--out", bag).refused(2, "is of the recording")
     assert bag.read_bytes() == before
+    for beside in ("run.csv", "cart.yaml"):
+        (folder / beside).write_text("of the run before")
+        check_writable(folder / beside, folder)
 
 
 def test_wrong_usage(capsys, tmp_path, csv):

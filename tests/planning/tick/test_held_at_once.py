@@ -57,6 +57,7 @@ def test_it_is_explained_as_the_general_road_does_whatever_came_after(places):
     warm, cold = planners(places)
     expected, plan = cold.plan_or_hold(BEYOND), warm.plan_or_hold(BEYOND)
     warm.plan((10.0, 0.0, 0.0), arms=[Arm("right", [(-0.3, -0.3, 0.9)], force_limit=(5.0, 5.0, 5.0))])
+    assert plan.certificate is not None
     assert plan.explain().certificate is plan.certificate
     assert plan.certificate.verified
     assert expected.explain() is expected
