@@ -68,7 +68,7 @@ class OnlineEstimator(ABC, Generic[C]):
         if is_taken:
             watch.samples.note(sample if sample.time == now else replace(sample, time=now), samples.state.time)
         is_slow = not now - before < SLOW_LOOP_INTERVAL
-        is_free = now >= watch.samples.due and (is_slow or not samples.state.worked)
+        is_free = now >= watch.samples.due and (is_slow or (now > before and not samples.state.worked))
         if is_free and watch.go_on(now, at_once=is_slow):
             samples.scale_noise(watch.noise_factors)
         found = self.estimate

@@ -15,6 +15,9 @@ import numpy as np
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
 
+from ..limits import WrenchRate
+from ..limits.wrench_rate import towards
+
 FORGETTING_TIME_CONSTANT = 0.2
 """s."""
 MIN_COMMAND_RMS, IDLE_FRACTION = 5.0, 0.25
@@ -59,12 +62,14 @@ class CommandTracking:
         return found
 
 
-def probed(given: ContactWrenches, idle: Collection[str]) -> ContactWrenches:
-    """With no more than that of idle arms."""
+def probed(
+    given: ContactWrenches, idle: Collection[str], rates: Mapping[str, WrenchRate | None], last: Mapping[str, Array]
+) -> ContactWrenches:
+    """With no more than that of idle arms, as soon as their rates allow from what was given last."""
     if not idle:
         return given
-    wrenches = {name: probing(one) if name in idle else one for name, one in given.wrenches.items()}
-    return replace(given, wrenches=wrenches)
+    probes = {name: towards(rates[name], last.get(name), probing(given.wrenches[name])) for name in idle}
+    return replace(given, wrenches={**given.wrenches, **probes})
 
 
 def probing(wrench: Array) -> Array:

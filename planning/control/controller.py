@@ -24,7 +24,7 @@ from cartgrasp.roles import ContactChoice, ContactQuery, ContactSource, Estimato
 from ..contact_sources.by_name import contact_source
 from ..contact_sources.choosing import Choosing
 from ..contact_sources.strategies import FIXED
-from ..limits import CartLimit
+from ..limits import CartLimit, WrenchRate
 from ..objectives import Objective
 from ..planner import MAX_PERIOD, WrenchPlanner
 from ..quadratic_program import OPTIMAL
@@ -32,10 +32,18 @@ from ..tick.stopping import Stop
 from ..tracking import Gains, build_tracker
 from .caution import IDLE, MAX_STEP_GAP, NO_ARM, OK, Caution, Pace, behind_of
 from .command_tracking import CommandTracking, probed
-from .controller_checks import check_chosen, check_for_cart, check_learns_from, checked_contacts, made_estimator
+from .controller_checks import (
+    check_chosen,
+    check_for_cart,
+    check_learns_from,
+    check_period,
+    checked_contacts,
+    made_estimator,
+)
 from .default_filter import default_filter
 from .hand import RegraspTimes
-from .protective_stop import DRIVING, Stage, braking_wrench
+from .progress import Progress
+from .protective_stop import ProtectiveStop, Stage, braking_wrench
 from .regrasps import Ahead, Given, Regrasps
 from .rejection import Rejection
 from .saved_state import Saved, as_first_guess, read_saved
@@ -141,11 +149,13 @@ class Controller:
             planner = WrenchPlanner(cart, arms, objective=objective, period=period, relax=math.inf, **limits)
         elif cart_limits or confidence is not None or objective is not None:
             raise UsageError("controller: objective, cart_limits and confidence are the planner's; give them to yours")
+        check_period(planner, self.period)
         self._planner, self._caution, self._rejection = planner, caution, rejection
         self._has_margins = isinstance(planner, WrenchPlanner) and planner.confidence is not None
         self._needs_estimate = isinstance(planner, WrenchPlanner) and planner.needs_estimate
         self._estimator = default_filter(cart, arms) if estimator is None else estimator
         self._names = frozenset(arm.name for arm in self._arms)
+        self._rates = {arm.name: WrenchRate.of([arm], self.period) for arm in self._arms}
         check_learns_from(self._estimator, self._names, cart)
         told = rejection is not None and getattr(self._estimator, "tells_disturbance", False)
         self._tracker = build_tracker(cart.constraints, gains, told) if tracker is None else tracker
@@ -164,9 +174,7 @@ class Controller:
         self._first: Estimate | None = None
         self._observed: Estimate | None = None
         self._used: Estimate | None = None  # of which the cart was
-        self._time, self._pace = -math.inf, Pace(0.0)
-        self._steady_time = 0.0  # s, which never goes back
-        self._stop = DRIVING
+        self._progress = Progress()
         self._knows_where = False  # once a pose was seen
         self._command_tracking, self._last_wrench_times = CommandTracking(), dict[str, float]()
 
@@ -185,23 +193,26 @@ class Controller:
         """One tick: takes in what was sensed, and says what the arms are to do."""
         estimate = self.observe(measurement)
         time = measurement.time
-        self._steady_time += min(max(time - self._time, 0.0), MAX_STEP_GAP)
-        reference, along, slowed = self._paced(estimate, time)
+        progress, slowed = self._goes_on(estimate, time)
+        pace, reference = progress.pace, progress.pace.reference(self.reference, time)
         believed = self._believed(estimate)
         model = self._used_by(believed).cart_on_floor() if self.learns else self.cart
-        wanted = self._wanted(reference, believed, model)
-        chosen = self._source.contacts(ContactQuery(along, wanted, believed, self._held))
+        wanted = self._wanted(reference, believed, model, progress.stop)
+        chosen = self._source.contacts(ContactQuery(pace.along, wanted, believed, self._held))
         check_chosen(chosen, self._names)
-        told = self._for_planner(believed)
+        told = self._for_planner(believed, progress.steady_time)
         stop = self._braking(believed, model, time)
         if self._regrasps is None:
             plan = self._planned(wanted, chosen.contacts, told, stop)
-            given = Given(probed(plan.contact_wrenches, self._idle), plan)
+            gave = {} if self._last is None else self._last.wrenches
+            given = Given(probed(plan.contact_wrenches, self._idle, self._rates, gave), plan)
+            if self._idle and isinstance(self._planner, WrenchPlanner):
+                self._planner.start_from(given.wrenches.wrenches, given.wrenches.contacts)
         else:
-            ahead = Ahead(self.reference, model, estimate.motion, along, wanted, told, stop)
-            given = self._with_hands(self._regrasps, chosen, ahead, (self._elapsed(time), estimate.health))
-        if not -MAX_STEP_GAP <= time - self._time < 0.0:  # a stamp out of order sets no clock back
-            self._time = time
+            ahead = Ahead(self.reference, model, estimate.motion, pace.along, wanted, told, stop, pace.share)
+            elapsed = self._progress.elapsed(time, self._longest_gap)
+            given = self._with_hands(self._regrasps, chosen, ahead, estimate.health, (elapsed, progress.steady_time))
+        self._progress = progress
         self._held = given.wrenches.contacts
         hands, kept = ({}, {}) if self._regrasps is None else (dict(self._regrasps.hands), dict(self._regrasps.kept))
         self._last = Step(
@@ -217,9 +228,9 @@ class Controller:
             check_known("measurement: wrenches", measurement.wrenches, self._names)
         if not measurement.contacts.keys() >= measurement.wrenches.keys():
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
+        estimate = self._estimator.update(measurement)
         if self._last is not None:
             self._track_commands(self._last.wrenches, measurement)
-        estimate = self._estimator.update(measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
         return estimate
@@ -236,7 +247,7 @@ class Controller:
     @property
     def is_done(self) -> bool:
         """Whether the last step was at the end of the reference, which a cautious controller reaches later."""
-        return self._last is not None and self._pace.along >= self.reference.duration
+        return self._last is not None and self._progress.pace.along >= self.reference.duration
 
     # --- saved and restored -------------------------------------------------------------------------------
 
@@ -247,8 +258,8 @@ class Controller:
         if last is None or now is None:
             raise UsageError("controller: there is nothing to save before the first step")
         cart = as_first_guess(self._believed(now)) if self.learns else self.cart
-        motion, pace = now.motion if self._knows_where else None, self._pace
-        return Saved(self._time, pace.along, pace.share, cart, last.placed, last.wrenches, motion).save(path)
+        motion, pace = now.motion if self._knows_where else None, self._progress.pace
+        return Saved(self._progress.time, pace.along, pace.share, cart, last.placed, last.wrenches, motion).save(path)
 
     @classmethod
     def restored(
@@ -264,7 +275,7 @@ class Controller:
         if set(saved.hands) != {arm.name for arm in arms}:
             raise UsageError(f"controller: {path} has the hands of {', '.join(saved.hands)}; give these arms")
         controller = cls(saved.cart, arms, reference, **options)
-        controller._time, controller._pace = saved.time, Pace(saved.along, saved.share)
+        controller._progress = Progress(saved.time, pace=Pace(saved.along, saved.share))
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
         if saved.motion is not None and is_new:
             pose, nu = saved.motion[:2]
@@ -283,24 +294,19 @@ class Controller:
         """s between ticks; longer is a pause, in which neither path nor hands go on."""
         return max(MAX_STEP_GAP, 2.0 * self.period)
 
-    def _elapsed(self, time: float) -> float:
-        """s since the last tick in which path and hands went on: none after a pause, nor where the clock went back."""
-        elapsed = time - self._time
-        return elapsed if 0.0 < elapsed <= self._longest_gap else 0.0
-
-    def _paced(self, estimate: Estimate, time: float) -> tuple[Reference, float, str]:
-        """Where to be, how far along the reference that is (s), and why that is behind."""
-        caution, last = self._caution, self._last
+    def _goes_on(self, estimate: Estimate, time: float) -> tuple[Progress, str]:
+        """How far the loop is by now, and why the cart is to be behind where its path says."""
+        caution, last, before = self._caution, self._last, self._progress
+        pace, now = before.pace, before.at(time)
         waits = "" if self._knows_where else WAITING_FOR_POSE
         if caution is None:
-            self._pace = Pace(self._pace.along + self._elapsed(time))
-            return self._pace.reference(self.reference, time), self._pace.along, waits
-        there = last.reference if last is not None and self._pace.share > 0.0 else self.reference.at(self._pace.along)
+            return now._replace(pace=Pace(pace.along + before.elapsed(time, self._longest_gap))), waits
+        there = last.reference if last is not None and pace.share > 0.0 else self.reference.at(pace.along)
         if self._knows_where:
-            self._stop = self._stop.after(self._steady_time, self.cart, there, estimate, caution.astray)
-        if self._stop.stage is not Stage.DRIVES:
-            self._pace = Pace(self._pace.along, 0.0)
-            return self._pace.reference(self.reference, time), self._pace.along, self._stop.why
+            stop = before.stop.after(now.steady_time, self.cart, there, estimate, caution.astray)
+            now = now._replace(stop=stop)
+        if now.stop.stage is not Stage.DRIVES:
+            return now._replace(pace=Pace(pace.along, 0.0)), now.stop.why
         planned, behind, health = (OPTIMAL, ""), 0.0, OK  # nothing was to be given before the first step
         if last is not None:
             planned, health = (last.plan.status, getattr(last.plan, "stops", "")), estimate.health
@@ -310,17 +316,16 @@ class Controller:
         wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, waits)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
-        elapsed = time - self._time if math.isfinite(self._time) else 0.0
-        self._pace = self._pace.after(elapsed, wanted, caution.change, self._longest_gap)
-        return self._pace.reference(self.reference, time), self._pace.along, slowed
+        elapsed = time - before.time if math.isfinite(before.time) else 0.0
+        return now._replace(pace=pace.after(elapsed, wanted, caution.change, self._longest_gap)), slowed
 
-    def _wanted(self, reference: Reference, believed: Estimate, model: CartModel) -> Array:
+    def _wanted(self, reference: Reference, believed: Estimate, model: CartModel, stop: ProtectiveStop) -> Array:
         """The planar wrench (3,) in {b} that the cart should feel."""
-        if not self._knows_where or self._stop.stage is Stage.LETS_GO:
+        if not self._knows_where or stop.stage is Stage.LETS_GO:
             return np.zeros(3)
-        if self._stop.stage is Stage.BRAKES:
+        if stop.stage is Stage.BRAKES:
             # What was learned may be wrong by now, and so may be what pushes: nothing is fed forward.
-            model, stop = max(model, self.cart, key=lambda cart: cart.inertia.mass), self._stop
+            model = max(model, self.cart, key=lambda cart: cart.inertia.mass)
             return braking_wrench(model, believed.motion, reference.time, stop.share, stop.crept)
         return self._tracker.wrench_b(reference, believed.motion, model) + self._against(believed)
 
@@ -374,20 +379,22 @@ class Controller:
             return self._planner.plan_or_hold(wanted, contacts, told, stop=stop)
         return self._planner.plan_or_hold(wanted, contacts, told)
 
-    def _for_planner(self, estimate: Estimate) -> Estimate | None:
+    def _for_planner(self, estimate: Estimate, time: float) -> Estimate | None:
         """The estimate; to a planner that only tells by it what wheels take, none whose motion is lost."""
+        told = estimate._replace(time=time)  # stamps may go back, and then it would be taken for stale
         if not self._needs_estimate:
-            return None if estimate.health in LOST_MOTION_HEALTHS else estimate._replace(time=self._steady_time)
-        told = estimate._replace(time=self._steady_time)  # stamps may go back, and then it would be taken for stale
+            return None if estimate.health in LOST_MOTION_HEALTHS else told
         return told if self._caution is None else self._caution.widened(told)
 
-    def _with_hands(self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, now: tuple[float, str]) -> Given:
-        """One that regrasps goes on; another may only leave while the senses are there. `now` are the s elapsed and
-        health."""
-        elapsed, health = now
+    def _with_hands(
+        self, regrasps: Regrasps, chosen: ContactChoice, ahead: Ahead, health: str, times: tuple[float, float]
+    ) -> Given:
+        """One that regrasps goes on; another may only leave while the senses are there. `times` are the s elapsed and
+        those that never go back."""
+        elapsed, steady_time = times
         if not regrasps.hands:
             regrasps.begin(self._held or chosen.contacts)
         regrasps.go_on(elapsed, self._idle.keys())
         if health not in SENSES_LOST_HEALTHS:
-            regrasps.send(chosen.contacts, ahead, self._steady_time)
+            regrasps.send(chosen.contacts, ahead, steady_time)
         return regrasps.plan(ahead.wrench_b, ahead.estimate, ahead.stop)

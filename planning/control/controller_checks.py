@@ -15,7 +15,7 @@ from cartgrasp.contacts import points_of
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
-from cartgrasp.roles import ContactChoice, Estimator, ReferencePath
+from cartgrasp.roles import ContactChoice, Estimator, Planner, ReferencePath
 
 
 def check_for_cart(reference: ReferencePath, cart: CartModel) -> None:
@@ -41,6 +41,16 @@ def check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartMod
         raise UsageError(
             f"controller: estimator: it adds up the wrenches of {', '.join(sorted(heard))}, and the arms are "
             f"{', '.join(sorted(names))}; name them alike"
+        )
+
+
+def check_period(planner: Planner, period: float) -> None:
+    """A planner that counts rates of change and held wrenches by its period is called as often."""
+    counted = getattr(planner, "period", period)
+    if counted != period:
+        raise UsageError(
+            f"controller: period: {period:g} s, and the planner's is {counted:g} s, by which rates of change count; "
+            "give both the same"
         )
 
 

@@ -25,6 +25,7 @@ from cartgrasp.roles import ReferencePath
 from cartgrasp.simulation.integrate import held
 
 from ..limits import WrenchRate
+from ..limits.wrench_rate import towards
 from ..plan import RELAXED, Plan
 from ..planner import WrenchPlanner
 from ..quadratic_program import OPTIMAL
@@ -53,7 +54,7 @@ class Given(NamedTuple):
 class Ahead(NamedTuple):
     """What is known of the time to come: the reference, the cart as it is believed to be and to move at `time` (s), and
     the wrench (3,) in {b} that it is to feel now; `estimate`, and what would `stop` it, are for planners with limits of
-    the cart."""
+    the cart. It goes on at a `pace`, as a share of the reference's speed."""
 
     reference: ReferencePath
     cart: CartModel
@@ -62,6 +63,7 @@ class Ahead(NamedTuple):
     wrench_b: Array
     estimate: Estimate | None = None
     stop: Stop | None = None
+    pace: float = 1.0
 
 
 # Many methods: what passes between two ticks, who may leave, and what each arm is told meanwhile.
@@ -135,8 +137,9 @@ class Regrasps:
 
     @property
     def busy(self) -> str | None:
-        """The arm whose hand does not hold wholly."""
-        return next((name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS), None)
+        """The arm whose hand does not hold wholly: one that leaves or is away before one that is loaded again."""
+        partly = [name for name, hand in self.hands.items() if hand.phase is not Phase.HOLDS]
+        return min(partly, key=lambda name: self.hands[name].phase is Phase.LOADS, default=None)
 
     def plan(self, wrench_b: Array, estimate: Estimate | None = None, stop: Stop | None = None) -> Given:
         """What the arms give for a planar wrench (3,) in {b}; `estimate` is for planners with limits of the cart, and
@@ -159,7 +162,7 @@ class Regrasps:
         share, own, contacts = self.hands[name].share, np.zeros(6), self.contacts
         if share > 0:
             whole = self._planner.plan_or_hold(wrench_b, contacts, estimate, stop=stop)
-            own = self._towards(name, self._borne(name, whole.contact_wrenches.wrenches[name]))
+            own = self._borne(name, whole.contact_wrenches.wrenches[name])
             if name in self._idle and name not in self._others:
                 return whole, ContactWrenches({name: own}, contacts, self._yaws)
         elif not self.hands[name].is_away:
@@ -178,12 +181,11 @@ class Regrasps:
     def _borne(self, name: str, planned: Array) -> Array:
         """What an arm is told of a wrench (6,) that is planned for it."""
         wrench = self.hands[name].share * planned
-        return probing(wrench) if name in self._idle else wrench
+        return self._towards(name, probing(wrench) if name in self._idle else wrench)
 
     def _towards(self, name: str, wanted: Array) -> Array:
         """A wrench (6,) as near to what is wanted as the arm's rates allow from what it gave last."""
-        rate, last = self._rates[name], self._last[1].get(name)
-        return wanted if rate is None or last is None else rate.towards(last, wanted)
+        return towards(self._rates[name], self._last[1].get(name), wanted)
 
     def _start_from(self, name: str | None) -> None:
         """Planners go on from what was given last, where the hands that they plan for change."""
@@ -227,6 +229,6 @@ def _why_cart_cannot_coast(ahead: Ahead, lasting: float, drift: float) -> str:
     steps = max(1, round(lasting / COAST_STEP))
     state = ahead.cart.state(ahead.motion.pose_sb, ahead.motion.velocity)
     there = held(ahead.cart, state, np.zeros(3), ahead.time, (lasting / steps, steps))[:3]
-    wanted = ahead.reference.at(ahead.time + lasting).pose_sb
+    wanted = ahead.reference.at(ahead.time + ahead.pace * lasting).pose_sb
     off = max(float(np.hypot(*(there - wanted)[:2])), abs(float(wrap_angle(there[2] - wanted[2]))))
     return "" if off <= drift else f"the cart would coast {off:.2f} m off its path in {lasting:.1f} s"

@@ -10,10 +10,10 @@ import os
 from collections.abc import Mapping
 from dataclasses import dataclass, replace
 from pathlib import Path
-from typing import Annotated, Any, Literal
+from typing import Annotated, Any, Literal, Self
 
 import numpy as np
-from pydantic import Field
+from pydantic import Field, model_validator
 from ruamel.yaml.comments import CommentedMap
 
 from cartgrasp.cart_file import cart_from_document, cart_text
@@ -38,6 +38,12 @@ class _HandEntry(StrictModel):
     target: Coordinates | None = None
     taken: Annotated[float, Field(ge=0)] = 0.0
     wrench: Components
+
+    @model_validator(mode="after")
+    def _goes_somewhere(self) -> Self:
+        if self.target is None and self.phase in ("unloads", "moves"):
+            raise ValueError(f"a hand that {self.phase} has no target; say where to")
+        return self
 
     def hand(self) -> Hand:
         target = None if self.target is None else point_of(self.target)

@@ -53,3 +53,8 @@ class WrenchRate:
         with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
             least = 1.0 - self.step / np.abs(wrenches)
         return max(factor, float(np.nan_to_num(least, nan=0.0, neginf=0.0).max()))
+
+
+def towards(rate: WrenchRate | None, last: Array | None, wanted: Array) -> Array:
+    """`WrenchRate.towards`, where there is a rate, and something was given last."""
+    return wanted if rate is None or last is None else rate.towards(last, wanted)

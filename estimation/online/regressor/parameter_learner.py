@@ -120,9 +120,10 @@ class ParameterLearner:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         before, self.time = self.time, self.tracker.last_time
-        self.worked = said & ROW_DUE > 0 or self._unfinished is not None
+        is_due = said & ROW_DUE > 0
+        self.worked = is_due or (self._unfinished is not None and self.time > before)  # one slice an instant
         if self.worked:
-            self._work(self.time - before, is_due=said & ROW_DUE > 0)
+            self._work(self.time - before, is_due=is_due)
         self._load_monitor.go_on(time)
         if said & WRENCH_USED:
             self.measured_wrench, self._wrench_until = self.tracker.measured_wrench, self.time

@@ -57,10 +57,10 @@ def test_one_is_idle_until_it_gives_half_of_the_probe_or_is_told_less(share):
     assert not watched.idle
 
 
-def run(lost, noise=1.0, names=("left",), **options):
+def run(lost, noise=1.0, names=("left",), rate=np.inf, **options):
     """Ticks; from 1.5 to 2.5 s the left arm, or more, gives nothing, and its sensor says so."""
     arms = [
-        cg.Arm(n, [(-0.25, y, 1.0)], force_limit=(90.0,) * 3, moment_limit=(9.0,) * 3)
+        cg.Arm(n, [(-0.25, y, 1.0)], force_limit=(90.0,) * 3, moment_limit=(9.0,) * 3, wrench_rate=(rate,) * 6)
         for n, y in (("left", 0.2), ("right", -0.2))
     ]
     controller = Controller(CART, arms, PATH, **options)
@@ -116,6 +116,17 @@ def test_arms_that_are_back_give_no_blow(regrasps):
     assert any(tick.step.words.endswith("no arm gives what it is told") for tick in told)
     last = told[-1]
     assert np.linalg.norm(last.step.reference.pose_sb[:2] - last.motion.pose_sb[:2]) < 0.03
+
+
+@pytest.mark.parametrize("options", [{}, {"regrasp": None}])
+@pytest.mark.parametrize("names", [("left",), ("left", "right")])
+def test_wrenches_of_arms_that_go_and_come_back_change_no_faster_than_they_may(names, options):
+    """Down to the probe as up from it."""
+    steps = [tick.step for tick in run(lost=True, names=names, rate=100.0, **options)]
+    assert any(step.idle for step in steps)
+    for name in ("left", "right"):
+        given = np.array([step.wrenches[name] for step in steps])
+        assert np.abs(np.diff(given, axis=0)).max() <= 100.0 * 0.01 * (1 + 1e-9)
 
 
 def test_a_sensor_of_the_other_sign_is_no_idle_arm():

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import re
 from dataclasses import replace
 
 import numpy as np
@@ -181,6 +182,9 @@ def test_it_goes_on_from_what_was_saved(tmp_path):
     path.write_text(text.replace("share:", "shar:"))
     with pytest.raises(FileError, match=r"controller.yaml:\d+:\d+: hands.left.shar: unknown key"):
         Controller.restored(path, held, PATH)
+    path.write_text(re.sub(r"target:(\n *- .*)+", "target:", text))
+    with pytest.raises(FileError, match=r"controller.yaml:\d+:\d+: hands.left: .*a hand that unloads has no target"):
+        Controller.restored(path, held, PATH)
     path.write_text(text)
     with pytest.raises(UsageError, match="has the hands of left, right; give these arms"):
         Controller.restored(path, arms(names=["left"]), PATH)
@@ -221,6 +225,8 @@ def test_what_it_is_made_of_is_checked():
         Controller(GUESS, held, PATH, contacts="teaching")
     with pytest.raises(UsageError, match="controller: period"):
         Controller(GUESS, held, PATH, period=0.0)
+    with pytest.raises(UsageError, match=r"controller: period: 0.01 s, and the planner's is 0.1 s"):
+        Controller(GUESS, held, PATH, planner=WrenchPlanner(GUESS, held, period=0.1))
     with pytest.raises(UsageError, match=r"controller: period: 10 is not a number .*give s"):
         Controller(GUESS, held, PATH, period=10)
     with pytest.raises(UsageError, match=r"controller: reference: .* is no path; write PathReference\(chain\(…\)\)"):

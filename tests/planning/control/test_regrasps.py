@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -12,7 +14,7 @@ from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.roles import ContactChoice
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise
-from planning import Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause
+from planning import Caution, Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause, straight
 from planning.control.hand import Phase, RegraspTimes
 from planning.control.regrasps import Ahead, Regrasps
 from planning.references import speed_change, turn
@@ -99,6 +101,72 @@ def test_it_gives_what_is_least_by_its_objective():
     assert side[1] < 0.2 * side[0]
     with pytest.raises(UsageError, match="objective, cart_limits and confidence are the planner's"):
         Controller(CART, arms(), CURVES, planner=WrenchPlanner(CART, arms()), objective=LeastSideForce())
+
+
+@pytest.mark.parametrize("caution", [Caution(), None])
+def test_a_tick_that_is_refused_is_none(caution):
+    """Asked again, path and clocks go on once."""
+
+    class Fails(Leaves):
+        refuses = False
+
+        def contacts(self, query):
+            return "nowhere" if self.refuses else super().contacts(query)
+
+    found = []
+    for refuses in (False, True):
+        source = Fails(arms(), 9.0)
+        controller = Controller(CART, arms(), BRAKES, contacts=source, caution=caution, learn=False)
+        for k in range(60):
+            for source.refuses in (refuses and k % 3 == 2, False):
+                if source.refuses:
+                    with pytest.raises(UsageError, match="nowhere"):
+                        controller.step(at(0.01 * k))
+            step = controller.step(at(0.01 * k))
+        found.append(step.reference)
+    np.testing.assert_allclose(found[1].pose_sb, found[0].pose_sb, rtol=1e-9)
+    np.testing.assert_allclose(found[1].velocity, found[0].velocity, rtol=1e-9)
+
+
+def test_a_sample_that_is_refused_says_nothing_of_arms():
+    controller = scripted()
+    for k in range(60):
+        controller.step(at(0.01 * k))
+        with pytest.raises(UsageError, match="pose"):
+            controller.observe(cg.Measurement(0.01 * k + 0.005, pose=[0.0, 0.0], wrenches=SLACK))
+    assert not controller.step(at(0.6)).idle
+
+
+def test_a_hand_that_is_away_is_not_counted_on_where_another_arm_comes_back(hands):
+    """The first by name is the one that comes back."""
+    there = {"left": np.array([-0.25, 0.2, 1.0]), "right": np.array([0.1, -0.2, 0.9])}
+    hands.send(there, still([1.0, 0.0, 0.0]), 0.0)
+    for _ in range(30):
+        hands.go_on(0.01, {"left"})
+    assert hands.hands["right"].is_away
+    hands.go_on(0.01)
+    given = hands.plan(np.array([10.0, 0.0, 0.0])).wrenches
+    assert given.away == {"right"}
+
+
+def test_a_lone_hand_may_leave_a_cart_that_coasts_as_slowly_as_its_path_goes_on():
+    """A cart at half of its path's speed was compared with a path at its whole speed."""
+    hand = arms()[:1]
+    path = PathReference(chain(straight(20.0, 0.4)))
+    rolling = cg.Motion(np.array([2.0, 0.0, 0.0]), np.array([0.2, 0.0]))
+    cart = replace(CART, effects=())
+    for pace, leaves in ((0.5, True), (1.0, False)):
+        made = Regrasps(WrenchPlanner(cart, hand, relax=np.inf), hand, RegraspTimes(), 0.05)
+        made.begin({"left": np.array([-0.25, 0.2, 1.0])})
+        ahead = Ahead(path, cart, rolling, path_time(path, 2.0), np.zeros(3), pace=pace)
+        made.send({"left": AWAY["left"]}, ahead, 0.0)
+        assert (made.hands["left"].phase is not Phase.HOLDS) is leaves
+
+
+def path_time(path, x):
+    """s, by when a path along x is at x (m)."""
+    times = np.linspace(0.0, path.duration, 2001)
+    return float(np.interp(x, [path.at(time).pose_sb[0] for time in times], times))
 
 
 def still(wrench, time=0.0):
