@@ -24,6 +24,6 @@ class Progress(NamedTuple):
         return self._replace(time=self.time if is_out_of_order else time, steady_time=steady_time)
 
     def elapsed(self, time: float, longest: float) -> float:
-        """s in which path and hands went on: none after a pause longer than `longest`, nor where the clock went back."""
+        """s in which path and hands went on: none in a pause longer than `longest`, nor where the clock went back."""
         elapsed = time - self.time
         return elapsed if 0.0 < elapsed <= longest else 0.0
