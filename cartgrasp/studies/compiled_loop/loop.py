@@ -121,7 +121,7 @@ class _Run:
         """What `LearningFilter.take` does with a row, and with what it teaches."""
         k, learner = int(self.at[tick.I_STEP]), self.core.learner
         self.at[tick.I_MOMENTS] = learner.followed(int(self.at[tick.I_MOMENTS]), float(self.course.time[k - 1]))
-        self.at[tick.I_UNFINISHED] = learner.is_unfinished
+        self.at[tick.I_UNFINISHED] = learner.unfinished is not None
         self.core.motion.learn(learner.theta, learner.covariance)
         if learner.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed

@@ -153,10 +153,10 @@ class DisturbedLearning:
         has: then it is as unsure what the parameters are as that one is, from what is told."""
         own, quick, widest = self._careful.learner, self._quick.learner, told.covariance
         is_found = quick.last_load_change > max(own.last_load_change, self.time - MAX_DISTURBANCE_DURATION)
-        others = [(quick, is_found or (quick.is_load_undecided and self._undecided_since > own.last_load_change))]
+        others = [(quick, is_found or (quick.hypotheses is not None and self._undecided_since > own.last_load_change))]
         if self._open is not None:
             others.append(
-                (self._open.learner, self._open.learner.is_load_undecided and self._opened > own.last_load_change)
+                (self._open.learner, self._open.learner.hypotheses is not None and self._opened > own.last_load_change)
             )
         for other in (one for one, doubts in others if doubts):
             off = other.theta - own.theta
@@ -185,24 +185,37 @@ class DisturbedLearning:
         self._listen(sample)
 
     def _listen(self, sample: Measurement) -> None:
-        """What the quick one makes of a sample, and whether its word on a load is taken."""
+        """What the quick one makes of a sample, and whether its word on a load is taken: where nothing was kept back
+        meanwhile, or whoever has heard the most of what was deems a load the likeliest, too."""
         self._quick.take(sample)
-        quick, careful = self._quick.learner, self._careful.learner
-        if not quick.is_load_undecided:
-            if quick.last_load_change > self._told_load:
-                self._told_load = quick.last_load_change
-                if max(self._kept_back, careful.last_load_change) < self._undecided_since:
-                    careful.note_load_change()
-            self._undecided_since = sample.time
+        quick, since = self._quick.learner, self._undecided_since
+        if quick.hypotheses is not None:
+            return
+        if quick.last_load_change > self._told_load:
+            self._told_load = quick.last_load_change
+            judge = (self._open or self._careful).learner
+            may_be_load = judge.hypotheses is not None and judge.hypotheses.may_be_load
+            if judge.last_load_change < since and (self._kept_back < since or may_be_load):
+                judge.note_load_change()
+                self._go_on_with_open()
+        self._undecided_since = sample.time
 
     def _try(self, other: AlignedFilter, sample: Measurement) -> None:
-        """What learns from all samples, until it is known whether there is another load."""
+        """What learns from all samples, until it is known whether there is another load. What others think of that,
+        who have heard less, ends as soon as this one is sure of a push."""
         other.take(sample)
         learner = other.learner
         if learner.last_load_change > self._opened:
-            self._careful, self._open, self._until = other, None, -math.inf
+            self._go_on_with_open()
         elif learner.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
             self._open = None
+        elif learner.hypotheses is not None and learner.hypotheses.is_surely_pushed:
+            self._careful.learner.note_push()
+
+    def _go_on_with_open(self) -> None:
+        """It was right."""
+        if self._open is not None:
+            self._careful, self._open, self._until = self._open, None, -math.inf
 
     # --- observing --------------------------------------------------------------------------------------------
 

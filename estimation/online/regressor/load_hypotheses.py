@@ -163,6 +163,16 @@ class LoadHypotheses:
         return bool(sure and not self.changed[sure - 1].is_load)
 
     @property
+    def is_surely_pushed(self) -> bool:
+        return self._sure == 0
+
+    @property
+    def may_be_load(self) -> bool:
+        """Whether that is the likeliest."""
+        likeliest = int(np.argmax(self._odds))
+        return likeliest > 0 and self.changed[likeliest - 1].is_load
+
+    @property
     def is_pushed(self) -> bool:
         """Whether there was a push in the last row."""
         return self.pushed.rows == 0
@@ -199,6 +209,11 @@ class LoadHypotheses:
         odds = self._odds
         alike = np.where(odds > odds.max() - DECISION_NATS, 1.0, 0.0)
         return mixture(self._beliefs, alike / alike.sum(), self._told)
+
+    @property
+    def if_loaded(self) -> RegressionBelief:
+        """What is believed if there is another load."""
+        return next(one.belief.copy() for one in self.changed if one.is_load)
 
     @property
     def _beliefs(self) -> list[RegressionBelief]:

@@ -89,7 +89,7 @@ class ParameterLearner:
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, self.prior)
         self._report: Mapping[str, ParameterEstimate] | None = None
-        self._hypotheses: LoadHypotheses | None = None
+        self.hypotheses: LoadHypotheses | None = None  # what surprised may be, while that is open
         self.last_decision = self.last_load_change = -math.inf  # s: of hypotheses, and of some for another load
         self._taken: tuple[LearnedRow, ...] = ()  # the last rows
         self._push = np.diag(PUSH_FORCE_STD * noise.wrench_scale(cart)) ** 2
@@ -97,7 +97,7 @@ class ParameterLearner:
         self.believed, self._at_rest = np.zeros(0), (cart.state(), np.zeros(cart.constraints.n_free))
         self.theta = cart.parameters
         self._seen, self._started = MeasuredMotion(), False
-        self._unfinished: Stage | None = None  # how far a row is worked out
+        self.unfinished: Stage | None = None  # how far a row is worked out
         self.worked = False  # whether something of a row was worked out with the last sample, which takes long
         self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
         self._seen_until = self._wrench_until = -math.inf  # times of the last pose or velocity, and of the last wrench
@@ -114,14 +114,13 @@ class ParameterLearner:
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         if is_seen:
             self._seen_until = time
-        moving = self._moving(time) if sensing.feels_motion else None
-        grip = sensing.gripped(measurement, self.theta, moving)
+        grip = sensing.gripped(measurement, self.theta, self._moving(time) if sensing.feels_motion else None)
         if sensing.corrects:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         before, self.time = self.time, self.tracker.last_time
         is_due = said & ROW_DUE > 0
-        self.worked = is_due or (self._unfinished is not None and self.time > before)  # one slice an instant
+        self.worked = is_due or (self.unfinished is not None and self.time > before)  # one slice an instant
         if self.worked:
             self._work(self.time - before, is_due=is_due)
         self._load_monitor.go_on(time)
@@ -193,14 +192,9 @@ class ParameterLearner:
 
     # --- rows ------------------------------------------------------------------------------------------------
 
-    @property
-    def is_unfinished(self) -> bool:
-        """Whether the next sample goes on with a row."""
-        return self._unfinished is not None
-
     def _work(self, since: float, *, is_due: bool) -> None:
         """Goes on with a row, `since` (s) the last sample: in slices, where that is short."""
-        if is_due and not isinstance(self._unfinished, SmoothingStage):
+        if is_due and not isinstance(self.unfinished, SmoothingStage):
             self._finish()
             self._take_row()
         else:
@@ -210,29 +204,29 @@ class ParameterLearner:
 
     def _go_on(self) -> None:
         """The next slice of a row, if one is left."""
-        part, self._unfinished = self._unfinished, None
+        part, self.unfinished = self.unfinished, None
         match part:
             case SmoothingStage() if part.smoothing.left:
-                self._unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, SLICE_MOMENTS))
+                self.unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, SLICE_MOMENTS))
             case SmoothingStage():
-                self._unfinished = self._block_of(part)
+                self.unfinished = self._block_of(part)
             case Block():
-                self._unfinished = self._row_of(part)
+                self.unfinished = self._row_of(part)
             case RowStage():
-                self._unfinished = self._taken_in(*part)
+                self.unfinished = self._taken_in(*part)
             case HypothesisStage():
-                self._unfinished = part.go_on()
+                self.unfinished = part.go_on()
             case UpdateStage():
-                self.wrench_noise_scale, self._unfinished = part.with_noise_scale(self.wrench_noise_scale)
+                self.wrench_noise_scale, self.unfinished = part.with_noise_scale(self.wrench_noise_scale)
             case NoiseScaleStage():
-                self._unfinished = self._decide(*part)
+                self.unfinished = self._decide(*part)
             case HypothesesStart():
-                self._unfinished = self._begin(part.go_on())
+                self.unfinished = self._begin(part.go_on())
             case DoneStage():
                 self._conclude()
 
     def _finish(self) -> None:
-        while self.is_unfinished:
+        while self.unfinished is not None:
             self._go_on()
 
     def _take_row(self) -> None:
@@ -242,7 +236,7 @@ class ParameterLearner:
             return
         if self.tracker.time[end - 1] <= self._seen_until:
             weighing = weights(self.tracker.time[:end], end - k)
-            self._unfinished = SmoothingStage(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
+            self.unfinished = SmoothingStage(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
             self._go_on()
         elif self.time - self._seen_until > MAX_REGRESSION_GAP:
             self._drop_link()
@@ -279,8 +273,8 @@ class ParameterLearner:
         """The next block does not begin where the last one ended, or stood still."""
         self._belief.drop_link()
         self._taken = self._unscaled_rows = ()
-        if self._hypotheses is not None:
-            self._settle(self._hypotheses.without_link(is_still=is_still), self.time)
+        if self.hypotheses is not None:
+            self._settle(self.hypotheses.without_link(is_still=is_still), self.time)
             self._conclude()
 
     def _row_of(self, block: Block) -> RowStage | None:
@@ -306,15 +300,15 @@ class ParameterLearner:
     def _unmodelled_noise(self) -> UnmodelledNoise:
         """Open hypotheses, or what is known to push, leave no row quiet: it may bear as much as any."""
         level, one = self._level, self._one_disturbance
-        usual = level.highest if self._hypotheses is not None or self._is_disturbed else level.mean_density
+        usual = level.highest if self.hypotheses is not None or self._is_disturbed else level.mean_density
         return UnmodelledNoise(
             level.highest * one, usual * one, self.wrench_noise_scale.variance_factor, self._products.scaled
         )
 
     def _taken_in(self, time: float, row: FilteredRow, of_white: float) -> UpdateStage | HypothesisStage:
         """What the belief, or open hypotheses, make of a row."""
-        if self._hypotheses is not None:
-            return HypothesisStage(time, self._hypotheses.with_row(row, self.theta)).go_on()
+        if self.hypotheses is not None:
+            return HypothesisStage(time, self.hypotheses.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         if not self._is_disturbed:
@@ -341,17 +335,23 @@ class ParameterLearner:
         """`root @ rootᵀ` (f, f) is the covariance of what a usual load changes."""
         return np.asarray((self._products.by_factors(self.theta) @ (float(self.theta[0]) * self._root))[self._free])
 
-    @property
-    def is_load_undecided(self) -> bool:
-        """Whether it is open whether there is another load."""
-        return self._hypotheses is not None
+    def note_push(self) -> None:
+        """Somebody who has heard more found that what surprised is no load."""
+        self._finish()
+        if self.hypotheses is not None:
+            self._belief, self.hypotheses = self.hypotheses.pushed.belief.copy(), None
+            self._conclude()
 
     def note_load_change(self) -> None:
-        """Somebody else found another load: what was learned of the body counts as little as after one of its own."""
+        """Somebody else found another load: that is believed, if it was thought of; else what was learned of the body
+        counts as little as after one of its own."""
         self._finish()
-        root = self._root_of_load
-        self._hypotheses, self._taken = None, ()
-        self._belief.open(root @ root.T)
+        if self.hypotheses is not None:
+            self._belief, self.hypotheses = self.hypotheses.if_loaded, None
+        else:
+            root = self._root_of_load
+            self._belief.open(root @ root.T)
+        self._taken = ()
         self.last_decision = self.last_load_change = self.time
         self._load_monitor.note_load_change(self.time)
         self._conclude()
@@ -365,7 +365,7 @@ class ParameterLearner:
 
     def _settle(self, hypotheses: LoadHypotheses, time: float) -> None:
         """What is believed while a push and a load both are, and whether that is decided."""
-        self._hypotheses, self._belief = None if hypotheses.is_over else hypotheses, hypotheses.belief
+        self.hypotheses, self._belief = None if hypotheses.is_over else hypotheses, hypotheses.belief
         if hypotheses.is_over:
             self.last_decision, self.last_load_change = time, time if hypotheses.is_loaded else self.last_load_change
         self._load_monitor.settle(time, hypotheses)
@@ -384,7 +384,7 @@ class ParameterLearner:
 
     def _covariance_to_report(self) -> Array:
         """The covariance (p, p) that people are told: of all that is not excluded, and as innovations vary."""
-        wide = None if self._hypotheses is None else self._hypotheses.not_excluded
+        wide = None if self.hypotheses is None else self.hypotheses.not_excluded
         return self._load_monitor.excess * (self.covariance if wide is None else wide.concluded().covariance)
 
     @property

@@ -17,7 +17,7 @@ from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from cartgrasp.simulation.closed_loop import Loop, run
 from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.pushed_plant import Push, PushedPlant
-from cartgrasp.studies.disturbances import LOAD, OURS, Case, controller
+from cartgrasp.studies.disturbances import FLOOR, LOAD, ONSET_TIME, OURS, Case, controller
 from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
 from cartgrasp.studies.estimators import SENSOR_SETS, Job, drive_cart, filter_noise
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
@@ -262,6 +262,21 @@ def test_what_may_be_a_load_leaves_nothing_sure(seed):
     wrong = is_sure & (off > 4.0 * mass.std) & (time > load.time)
     assert time[wrong].max() < load.time + 1.2
     assert off[-1] < 3.0 * mass.std[-1]
+
+
+@pytest.mark.long
+@pytest.mark.some(1)
+@pytest.mark.parametrize(("kind", "seed", "before"), [(LOAD, 7506, 0.06), (LOAD, 7605, 0.20), (FLOOR, 7618, 0.48)])
+def test_who_has_heard_the_most_says_what_surprised(kind, seed, before):
+    """How far the mass was off, from 4.2 s after a load on, where the one was believed who had heard the least of it:
+    it learned the load anew, did not believe in it, or did in one that was a floor."""
+    case = Case(kind, seed)
+    plant, sensors = PushedPlant(MujocoPlant(case.cart), case.outside), Sensors(case.cart, STUDIED, seed)
+    record = run(Loop(controller(case.guess, OURS), plant, sensors))
+    loads = [effect.time + 4.2 for effect in case.cart.effects if isinstance(effect, PayloadChange)]
+    late = record.time > max([ONSET_TIME, *loads])
+    off = np.abs(record.parameters["mass"].value / case.cart.phi_at(record.time)[:, 0] - 1.0)[late].max()
+    assert off < min(0.5 * before, 0.035)
 
 
 @pytest.mark.parametrize(("rate", "has_velocity"), [(100, True), (33, True), (33, False), (20, False)])
