@@ -276,9 +276,11 @@ class WrenchPlanner:
         if candidates.distance > 0 and candidates.distance > candidates.widest + DISTANCE_TOLERANCE:
             return too_near(candidates, start)
         if (points := candidates.single) is None:
-            plan = self._choose(candidates, asked, start, at_once)
-            again = plan.is_usable and now.terms.has_postures  # with the limits of the postures there
-            return unproven(self._plan(self._asked, plan.contacts, None, None, beside, at_once)) if again else plan
+            last, plan = now.last, self._choose(candidates, asked, start, at_once)
+            if not (plan.is_usable and now.terms.has_postures):
+                return plan
+            now.go_back_to(last._replace(choice=now.last.choice))  # this one was not given
+            return unproven(self._plan(self._asked, plan.contacts, None, None, beside, at_once))  # with postures there
         target = self._to_effective.dot(asked)
         if at_once and now.compiled is not None and now.compiled.is_infeasible:
             near = FORBIDDEN if exact or self._made.relax == 0.0 else now.compiled.nearest(asked, now.cost, start)

@@ -206,6 +206,37 @@ def test_arms_that_are_refused_change_nothing():
     assert planner.plan((40, 0, 3)).effort == pytest.approx(before.effort)
 
 
+# --- postures -----------------------------------------------------------------------------------------------
+
+
+class SamePosture:
+    """An arm whose joints bear the same wherever its hand is."""
+
+    bears = cg.JointTorques(np.eye(6), np.zeros(6), np.full(6, 200.0))
+
+    def joints_at(self, contact, yaw):
+        return self.bears
+
+
+@pytest.mark.parametrize("is_warm", [False, True])
+def test_postures_at_chosen_contacts_are_planned_for_once_a_tick(is_warm):
+    """Rates of change and moves count from what was given, not from the plan by which contacts were chosen."""
+    places = [(-0.25, 0.2, 1.0), (-0.25, -0.2, 1.0)]
+    found = []
+    for postures in (SamePosture(), SamePosture.bears):
+        hand = cg.Arm("hand", places, wrench_rate=(1e3,) * 6, joints=postures)
+        planner = WrenchPlanner(cart(), [hand], period=0.01, relax=np.inf, switching_cost=1.0)
+        if is_warm:
+            planner.warm_up()
+        wrenches = [(60, 0, 4)] * 2 + [(20, 0, 4), (20, 0, -4)] * 2
+        found.append([planner.plan_or_hold(wrench) for wrench in wrenches])
+    for plan, expected in zip(*found, strict=True):
+        assert (plan.status, plan.switched) == (expected.status, expected.switched)
+        assert plan.wrenches["hand"] == pytest.approx(expected.wrenches["hand"], abs=1e-4)
+    assert found[0][0].wrenches["hand"][0] == pytest.approx(10.0, abs=1e-4)
+    assert any(plan.switched for plan in found[0])
+
+
 # --- reach --------------------------------------------------------------------------------------------------
 
 
