@@ -108,11 +108,10 @@ class Terms:
             pushed, rows = self._pushed.by(changed), self._rows
             if any(limit.looks_at_arms for limit in self._cart_limits.limits):
                 rows = self._cart_limits.rows(pushed, self._covariance, self._on_floor)
-            self._rows = rows
-            self._use(self.base.with_arms(changed, self._rows_now))
+            self._use(self.base.with_arms(changed, self._less_beside(rows)))
         except UsageError as error:
             raise RefusedError(INVALID_INPUT, str(error)) from error
-        self._pushed = pushed
+        self._pushed, self._rows = pushed, rows
         return True
 
     def rest_of(self, asked: tuple[float, float, float]) -> tuple[float, float, float]:
@@ -205,12 +204,11 @@ class Terms:
 
     def _take_rows(self, rows: CartRows) -> None:
         self._rows = rows
-        self.template = self.base = self.base.with_cart_rows(self._rows_now)
+        self.template = self.base = self.base.with_cart_rows(self._less_beside(rows))
         self.take_last(self._last)
 
-    @property
-    def _rows_now(self) -> CartRows:
-        return self._rows if self.beside is None else self._rows.beside(self.beside)
+    def _less_beside(self, rows: CartRows) -> CartRows:
+        return rows if self.beside is None else rows.beside(self.beside)
 
     def _believe(self, estimate: Estimate) -> None:
         self.__dict__.pop("_straight_force", None)

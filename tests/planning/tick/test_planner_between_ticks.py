@@ -11,7 +11,7 @@ from hypothesis import strategies as st
 
 import cartgrasp as cg
 from cartgrasp.motion import Motion
-from planning import Skid, TipOver, WrenchPlanner, allocate
+from planning import InternalForce, Skid, TipOver, WrenchPlanner, allocate
 
 from ..contacts.test_contact_choice_with_cart_limits import joints, shopping_cart
 from ..drawn import arm, bar, cart, first_contacts, random_arms, violation
@@ -204,6 +204,17 @@ def test_arms_that_are_refused_change_nothing():
     assert refused.status == "invalid_input"
     assert "no candidate contact is within; the nearest is 0.25 m beyond" in refused.message
     assert planner.plan((40, 0, 3)).effort == pytest.approx(before.effort)
+
+
+def test_arms_that_are_refused_leave_the_carts_limits():
+    """Also where what is given besides has these stated anew."""
+    planner, same = (WrenchPlanner(cart(), pair(), cart_limits=[InternalForce(1.0)]) for _ in range(2))
+    far = arm("left", yaw=1.5, reach=cg.Reach.box((0, 0, 0), (1, 1, 1)))
+    assert planner.plan((40, 0, 3), arms=[far, pair()[1]]).status == "invalid_input"
+    beside = cg.ContactWrenches({"other": np.ones(6)}, {"other": np.zeros(3)}, {"other": 0.0})
+    found, expected = (one.plan_or_hold((40, 0, 3), beside=beside) for one in (planner, same))
+    assert found.status == "optimal"
+    assert found.wrenches["left"] == pytest.approx(expected.wrenches["left"], abs=1e-6)
 
 
 # --- postures -----------------------------------------------------------------------------------------------
