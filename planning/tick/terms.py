@@ -162,6 +162,8 @@ class Terms:
         if estimate is self.estimate:
             return
         if not self._cart_limits.limits:
+            if self.base.looks_at_wheels:
+                read_cart(estimate, self.base.basis_b)  # refused before it is believed
             self._believe(estimate)
             return
         cart = read_cart(estimate, self.base.basis_b)

@@ -10,8 +10,9 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 import cartgrasp as cg
+from cartgrasp.constraints import RollingConstraints
 from cartgrasp.motion import Motion
-from planning import InternalForce, Skid, TipOver, WrenchPlanner, allocate
+from planning import InternalForce, LeastSideForce, Skid, TipOver, WrenchPlanner, allocate
 
 from ..contacts.test_contact_choice_with_cart_limits import joints, shopping_cart
 from ..drawn import arm, bar, cart, first_contacts, random_arms, violation
@@ -311,6 +312,18 @@ def test_an_estimate_that_is_no_cart_is_refused():
     assert plan.status == "invalid_input"
     assert plan.message.startswith("estimate: mass")
     assert planner.plan((40, 0, 3)).status == "optimal"
+
+
+def test_an_estimate_that_is_refused_is_not_believed():
+    """Also where only a cost looks at it: the next plan is by the estimate before."""
+    planner = WrenchPlanner(shopping_cart(), pair(), objective=LeastSideForce(2.0))
+    before = planner.plan((40, 0, 3))
+    casters = cg.CartModel(shopping_cart().inertia, RollingConstraints(None))
+    wrong = cg.Estimate(1.0, Motion(np.zeros(3), np.zeros(3)), {}, "", casters, casters.parameters)
+    plan = planner.plan((40, 0, 3), estimate=wrong)
+    assert plan.status == "invalid_input"
+    assert "other rolling constraints" in plan.message
+    assert planner.plan((40, 0, 3)).wheel_side_force == pytest.approx(before.wheel_side_force)
 
 
 # --- what would do ------------------------------------------------------------------------------------------
