@@ -177,7 +177,8 @@ class _Problem:
         wrenches = np.array([wanted_wrench(reference, cart, time) for time in (times[:-1] + times[1:]) / 2])
         points = candidate_points(arms)
         stages = int(np.ceil(cost.duration / (times[1] - times[0]) - 1e-9))
-        graph = RegraspGraph.of([len(candidates) for candidates in points.values()], stages)
+        within = min(stages, len(times))  # a longer one is not over by the end either
+        graph = RegraspGraph.of([len(candidates) for candidates in points.values()], within)
         return cls(cart, arms, times, wrenches, points, graph)
 
     @property
@@ -202,7 +203,7 @@ class _Problem:
         away = np.abs(self.points[name] - np.asarray(grip.contact, dtype=float)).max(axis=1)
         if not away.min() < 1e-6:
             raise UsageError(f"horizon: arm {name} holds {list(grip.contact)}, which is none of its points")
-        wait = int(np.ceil(max(0.0, grip.ready - now) / self.length - 1e-9))
+        wait = min(int(np.ceil(max(0.0, grip.ready - now) / self.length - 1e-9)), len(self.times) - 1)
         if wait > max(0, self.graph.stages - 1):
             raise UsageError(f"horizon: arm {name} is ready at {grip.ready:g} s, later than a regrasp from now takes")
         return int(away.argmin()), wait

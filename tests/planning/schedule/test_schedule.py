@@ -13,7 +13,7 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from planning.allocation.allocation import build_allocation
+from planning.allocation.allocation import allocate, build_allocation
 from planning.references import PathReference, Stretch, chain, pause, turn
 from planning.schedule.regrasp_graph import RegraspGraph
 from planning.schedule.schedule import Grip, Horizon, RegraspCost, plan_schedule, wanted_wrench
@@ -163,6 +163,23 @@ def test_a_horizon_that_ends_early_is_that_of_its_stages():
     assert half.times[-1] == pytest.approx(1.5)
     stages = len(half.efforts)
     assert half.total == pytest.approx(whole.efforts[:stages].sum() * 0.25)  # regrasps are free, so stages are apart
+
+
+@pytest.mark.parametrize("left", [0.2, 1e-3, 1e-5])
+def test_less_time_is_left_than_a_regrasp_takes(left):
+    """Nobody lets go, and a hand on its way does not arrive: the other bears the rest."""
+    sides = {"left": 1, "right": -1}
+    arms = [Arm(name, [(x, side * 0.3, 1.0) for x in (-0.2, -0.1, 0.0)]) for name, side in sides.items()]
+    reference = push()
+    now = reference.duration - left
+    first = {arm.name: arm.contacts.first for arm in arms}
+    for ready, holding in ((-np.inf, arms), (now + 1.0, arms[1:])):
+        held = {"left": Grip(first["left"], ready), "right": Grip(first["right"])}
+        rest = plan_schedule(reference, CART, arms, RegraspCost(1.5, 0.0), Horizon(now, held=held))
+        wrench = wanted_wrench(reference, CART, now + left / 2)
+        effort = allocate(CART, holding, {arm.name: first[arm.name] for arm in holding}, wrench).effort
+        assert rest.total == pytest.approx(left * effort)
+        assert rest.regrasps == ()
 
 
 def test_a_heavier_cart_is_scheduled_anew():
