@@ -40,7 +40,10 @@ class ScheduledContacts:
         self._chosen, self._due = ContactChoice({arm.name: arm.contacts.first for arm in arms}), -np.inf
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
-        if query.time >= self._due - 1e-9 and query.time < self._reference.duration - SAME_CHOICE_DISTANCE:
+        if query.time >= self._reference.duration - SAME_CHOICE_DISTANCE:
+            if self._schedule is None and query.held:
+                return self._chosen._replace(contacts=query.held)
+        elif query.time >= self._due - 1e-9:
             self._plan(query)
         if self._schedule is not None:
             grips = self._schedule.grips(query.time)

@@ -51,7 +51,10 @@ class TeachingContacts:
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
         stop = min(query.time + self._choosing.ahead, self._reference.duration)
-        if query.time < self._due - 1e-9 or stop - query.time < MIN_LOOKAHEAD:
+        is_over = stop - query.time < MIN_LOOKAHEAD
+        if is_over and self._due == -np.inf and query.held:
+            return self._chosen._replace(contacts=query.held)
+        if is_over or query.time < self._due - 1e-9:
             return self._chosen
         held = self._family.index_of(query.held)
         if held is None and query.held:

@@ -123,6 +123,15 @@ def test_it_waits_for_a_hand_that_is_on_its_way(way):
         assert np.array_equal(found["right"], first["right"])
 
 
+def test_hands_stay_where_a_source_begins_at_the_end_of_the_path(way):
+    """As after a restart: there is nothing left to go elsewhere for."""
+    held = {arm.name: np.array(arm.contacts.points[1]) for arm in arms()}
+    for over in (0.0, 1.0):
+        found = source(way).contacts(ContactQuery(PATH.duration + over, np.zeros(3), None, held)).contacts
+        if way in ("least-effort", "teach", "schedule"):
+            assert all(np.array_equal(found[name], held[name]) for name in held)
+
+
 def test_a_controller_drives_with_it(way):
     controller = Controller(CART, arms(), PATH, contacts=way, choosing=CHOOSING)
     for time in (0.0, 0.01, 0.02):
