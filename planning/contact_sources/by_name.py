@@ -27,7 +27,7 @@ def contact_source(
     check_known("contacts", [way], STRATEGIES)
     arms = [arm.without_rate() for arm in arms]
     if way == PERIODIC:
-        return PeriodicContacts(arms, choosing.every)
+        return PeriodicContacts(arms, choosing.every, choosing.min_hand_distance)
     if way == LEAST_EFFORT:
         planner = WrenchPlanner(cart, arms, min_hand_distance=choosing.min_hand_distance)
         return LeastEffortContacts(planner, arms, choosing.every)
@@ -35,4 +35,4 @@ def contact_source(
         return TeachingContacts(cart, arms, reference, choosing, regrasp)
     if way == SCHEDULE:
         return ScheduledContacts(cart, arms, reference, choosing, regrasp)
-    return FixedContacts(arms)
+    return FixedContacts(arms, choosing.min_hand_distance)

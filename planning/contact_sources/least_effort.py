@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Mapping, Sequence
 from itertools import product
 from typing import final
 
@@ -39,8 +39,8 @@ class LeastEffortContacts:
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
         time = query.time
-        if not self._has_begun and query.held:
-            self._held = dict(query.held)
+        if not self._has_begun:
+            self._begin(query.held)
         self._has_begun = True
         share = min(1.0, (time - self._last_time) / self._dwell * 3.0)
         self._wanted = self._wanted + share * (np.asarray(query.wrench_b) - self._wanted)
@@ -49,6 +49,12 @@ class LeastEffortContacts:
             self._due = time + self._dwell
             self._regrasp()
         return ContactChoice(self._held, "least effort")
+
+    def _begin(self, held: Mapping[str, Array]) -> None:
+        """Where hands hold already, else at first candidates; elsewhere where limits or other hands forbid that."""
+        self._held = dict(held) or self._held
+        if self._planner.plan(self._wanted, contacts=self._held).status != OPTIMAL:
+            self._regrasp()
 
     def _regrasp(self) -> None:
         free = self._freest()

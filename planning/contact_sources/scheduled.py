@@ -14,6 +14,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.roles import ContactChoice, ContactQuery, ReferencePath
 
 from ..control.hand import RegraspTimes
+from ..excitation.excitation_family import contact_choices
 from ..quadratic_program import OPTIMAL
 from ..schedule.schedule import Grip, Horizon, RegraspCost, Schedule, plan_schedule
 from ..schedule.stage_efforts import candidate_points
@@ -37,7 +38,8 @@ class ScheduledContacts:
         farthest = (math.dist(*pair) for points in self._points.values() for pair in combinations(points, 2))
         self._cost = RegraspCost(regrasp.lasting(max(farthest, default=0.0)), choosing.regrasp_effort)
         self._schedule: Schedule | None = None
-        self._chosen, self._due = ContactChoice({arm.name: arm.contacts.first for arm in arms}), -np.inf
+        first = contact_choices(arms, choosing.min_hand_distance)[0]
+        self._chosen, self._due = ContactChoice(dict(zip(self._points, first, strict=True))), -np.inf
 
     def contacts(self, query: ContactQuery) -> ContactChoice:
         if query.time >= self._reference.duration - SAME_CHOICE_DISTANCE:

@@ -43,8 +43,7 @@ class TeachingContacts:
     ) -> None:
         self._family = ContactFamily.of(cart, arms, choosing.noise, choosing.min_hand_distance)
         self._reference, self._choosing, self._cart, self._times = reference, choosing, cart, regrasp
-        first = {arm.name: arm.contacts.first for arm in arms}
-        self._chosen, self._due = ContactChoice(first, FOR_LEAST_EFFORT), -np.inf
+        self._chosen, self._due = ContactChoice(self._family.contacts(0), FOR_LEAST_EFFORT), -np.inf
 
     def warm_up(self) -> None:
         self._family.planner.warm_up()

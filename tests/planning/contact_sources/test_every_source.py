@@ -132,6 +132,24 @@ def test_hands_stay_where_a_source_begins_at_the_end_of_the_path(way):
             assert all(np.array_equal(found[name], held[name]) for name in held)
 
 
+@pytest.mark.parametrize("force", [80.0, 1.0])
+def test_hands_keep_their_distance_from_the_first_choice_on(way, force):
+    """Also where the first candidates do not, and where nothing can drive the path."""
+    near = [
+        cg.Arm(name, [(-0.45, 0.1 * side, 0.8), (-0.9, 0.2 * side, 1.0)], force_limit=(force,) * 3)
+        for name, side in (("left", 1), ("right", -1))
+    ]
+    if way in ("fixed", "periodic"):
+        with pytest.raises(UsageError, match=r"left and right come as near as 0\.2 m, and min_hand_distance is 0\.3 m"):
+            source(way, holders=near)
+        return
+    for begin in (0.0, 1.5, PATH.duration):
+        one, held = source(way, holders=near), {}
+        for time in (begin, begin + 0.5, begin + 1.5):
+            held = dict(one.contacts(query(time, held, estimate(time=time))).contacts)
+            assert np.linalg.norm(held["left"] - held["right"]) >= 0.3 - 1e-9
+
+
 def test_a_controller_drives_with_it(way):
     controller = Controller(CART, arms(), PATH, contacts=way, choosing=CHOOSING)
     for time in (0.0, 0.01, 0.02):
