@@ -42,9 +42,10 @@ class LeastEffortContacts:
         if not self._has_begun:
             self._begin(query.held)
         self._has_begun = True
-        share = min(1.0, (time - self._last_time) / self._dwell * 3.0)
-        self._wanted = self._wanted + share * (np.asarray(query.wrench_b) - self._wanted)
-        self._last_time = time
+        if np.isfinite(query.wrench_b).all():
+            share = min(1.0, (time - self._last_time) / self._dwell * 3.0)
+            self._wanted = self._wanted + share * (np.asarray(query.wrench_b) - self._wanted)
+            self._last_time = time
         if time >= self._due - 1e-9:
             self._due = time + self._dwell
             self._regrasp()

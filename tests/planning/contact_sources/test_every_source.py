@@ -226,6 +226,17 @@ def test_nothing_is_spent_where_the_floor_is_louder_than_the_sensors():
         assert any(not np.array_equal(found[name], handle[name]) for name in handle) == moves
 
 
+def test_a_wrench_that_is_no_number_is_left_out_of_the_mean():
+    asked, found = (24.0, 0.0, 8.0), []
+    for second in (asked, (np.nan, 0.0, 8.0)):
+        one, held = source("least-effort"), {arm.name: np.array(arm.contacts.points[1]) for arm in arms()}
+        for time, wrench in ((0.0, asked), (0.5, second), (1.0, asked), (2.0, asked)):
+            held = dict(one.contacts(ContactQuery(time, np.array(wrench), None, held)).contacts)
+        found.append(held)
+    assert not np.array_equal(found[0]["left"], arms()[0].contacts.points[1])
+    assert all(np.array_equal(found[0][name], found[1][name]) for name in found[0])
+
+
 def test_what_a_regrasp_costs():
     """By plans of the other arm alone, which bears everything for as long as the hand is away."""
     family = ContactFamily.of(CART, arms(force=1e3), CHOOSING.noise, 0.0)
