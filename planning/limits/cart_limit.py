@@ -146,9 +146,9 @@ class CartRows:
         return replace(self, low=self.low - given, high=self.high - given, cone_offsets=self.cone_offsets + of_cones)
 
     def lifted(self) -> Self:
-        """The same rows and cones, which limit nothing."""
+        """The same rows and cones, which limit nothing: of such a cone the width is any above 0."""
         of_sum, offsets, free = self.of_sum.copy(), np.zeros_like(self.cone_offsets), np.full(len(self.low), np.inf)
-        of_sum[self.n_plain :], offsets[:, :1] = 0.0, MAX_CONE_FORCE
+        of_sum[self.n_plain :], offsets[:, :1] = 0.0, 1.0
         return replace(self, of_sum=of_sum, low=-free, high=free, cone_offsets=offsets)
 
     def is_like(self, other: CartRows) -> bool:

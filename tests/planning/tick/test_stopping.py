@@ -8,7 +8,8 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from planning import Skid, TipOver, WrenchPlanner
+from cartgrasp import Arm
+from planning import SideForce, Skid, TipOver, WrenchPlanner
 from planning.tick.stopping import BEYOND_LIMITS, GENTLE_RATE_RATIO
 
 from ..limits.test_robust import BEND, LEFT, LIMITS, REST, RIGHT, cart, covariance, estimate, hands
@@ -77,6 +78,23 @@ def test_it_obeys_rates_from_tick_to_tick(warm, wrench):
             assert (np.abs(given_now - last[name]) <= 0.002 * np.array(RATES["wrench_rate"]) + 1e-6).all()
         last = plan.contact_wrenches.wrenches
     assert plan.contact_wrenches.wrench_b[0] == pytest.approx(-16.0, abs=0.5)  # 8 ticks of 2 N
+
+
+@pytest.mark.parametrize("warm", [True, False], ids=["compiled", "general"])
+@pytest.mark.parametrize("seed", [0, 5, 17, 21, 23])
+def test_what_stops_the_cart_is_found_with_margins_that_hands_of_any_strength_leave(warm, seed):
+    """Limits that are lifted, to see what a stop takes, leave a program that every solver proves."""
+    rng = np.random.default_rng(seed)
+    yaw, force, moment = rng.uniform(-1, 1), rng.uniform(20, 80, 3), rng.uniform(2, 10, 3)
+    hand = Arm("left", [LEFT], yaw=float(yaw), force_limit=force, moment_limit=moment)
+    made = WrenchPlanner(cart(), [hand], cart_limits=[SideForce(40.0)], confidence=0.95)
+    if warm:
+        made.warm_up()
+    told, brake = estimate(covariance(), REST), np.array([-5.0, 0.0, -1.0])
+    for asked in ((3.0, 1.0, 1.0), (500.0, 0.0, 0.0)):
+        plan = made.plan_or_hold(asked, {"left": LEFT}, told, stop=brake.__mul__)
+    assert plan.stops == "stops the cart within 100 % of its margins"
+    np.testing.assert_allclose(along(plan.held), [-5.0, -1.0], atol=1e-6)
 
 
 def test_limits_that_no_wrench_keeps_do_not_leave_the_cart_alone():
