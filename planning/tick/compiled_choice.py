@@ -61,22 +61,24 @@ class CompiledChoice:
         values[:], counts[:] = (np.inf, -np.inf), (-1, begin, 0)
         if self._allowed[begin] == np.inf:
             counts[1] = -1
-        if not self._search(wrench, limit):
+        gap = GAP_TOLERANCE if limit.gap is None else limit.gap
+        if not self._search(wrench, limit, gap):
             return None
         best, left = values.tolist()
         chosen, following, solved = counts.tolist()
         self.last = chosen
         bound = min(best, left if following >= 0 else np.inf)
         contacts = None if chosen < 0 else self._contacts(chosen)
+        complete = following < 0 or (chosen >= 0 and best - bound <= gap * max(1.0, abs(best)))
         paid = 0.0 if contacts is None or switching is None else switching.at(contacts, contacts)
-        return Choice(contacts, best, bound, solved, solved < limit.solves, paid)
+        return Choice(contacts, best, bound, solved, complete, paid)
 
     def _take(self, switching: Switching | None) -> None:
         charges = NO_NUMBERS if switching is None else switching.charges
         self._switching, self._tables = switching, (*self._tables[:3], charges, *self._tables[4:])
 
-    def _search(self, wrench: Point, limit: SearchLimit) -> bool:
-        start, most, gap = time.perf_counter(), limit.solves, GAP_TOLERANCE if limit.gap is None else limit.gap
+    def _search(self, wrench: Point, limit: SearchLimit, gap: float) -> bool:
+        start, most = time.perf_counter(), limit.solves
         if limit.seconds is None:
             return self._allocation.search(wrench, self._tables, self._progress, (most, gap))
         while True:

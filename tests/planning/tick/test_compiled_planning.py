@@ -9,7 +9,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cartgrasp.arms import Friction
+from cartgrasp.arms import Arm, Friction
 from planning import LoadShare, SearchLimit, Smoothness, WrenchPlanner, allocate
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.allocation.duality import effort_cut
@@ -262,6 +262,19 @@ def test_a_search_that_is_cut_short_says_so():
         assert short.choice.bound <= full.effort <= short.effort * (1 + 1e-12)
     assert warm(cart(), many(40), search_limit=SearchLimit(2)).plan((40, 0, 3)).choice.gap > 1e-9
     assert full.choice.gap <= 1e-9
+
+
+def test_a_search_that_is_cut_short_before_it_found_any_contacts_says_so():
+    """By the clock as by the number of programs; no solver is to blame."""
+    rng = np.random.default_rng(6)
+    places = [[(x, y, 1.0) for x, y in rng.uniform(-0.5, 0.5, (12, 2))] for _ in range(2)]
+    grip = {"friction": Friction(0.3), "push_only": True, "force_limit": (40.0,) * 3, "moment_limit": (0.5,) * 3}
+    hands = [Arm(f"arm{i}", held, yaw=float(rng.uniform(-3, 3)), **grip) for i, held in enumerate(places)]
+    wrench = (rng.normal(0, 30), 0, rng.normal(0, 20))
+    for limit in (SearchLimit(16), SearchLimit(seconds=0.0)):
+        plan = warm(cart(), hands, search_limit=limit).plan_or_hold(wrench)
+        assert plan.status == "timeout"
+        assert plan.message.startswith("no feasible contacts among the 16 programs solved")
 
 
 def test_no_choice_keeps_the_distance():
