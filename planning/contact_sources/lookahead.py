@@ -15,13 +15,11 @@ from cartgrasp.roles import ReferencePath
 
 from ..allocation.allocation_template import AllocationTemplate
 from ..control.hand import RegraspTimes
-from ..excitation.excitation_family import FreeSplit, contact_choices, motions
+from ..excitation.excitation_family import FreeSplit, as_sensed, contact_choices, motions
 from ..planner import WrenchPlanner
 from ..quadratic_program import OPTIMAL
 
 SAME_CHOICE_DISTANCE = 1e-6  # m
-MIN_WRENCH_STD = 1e-3
-"""N and N·m: sensors are not taken to be better."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -41,7 +39,7 @@ class ContactFamily:
     def of(cls, cart: CartModel, arms: Sequence[Arm], noise: WrenchNoise, min_hand_distance: float) -> ContactFamily:
         template = AllocationTemplate.of(cart, arms)
         choices = contact_choices(arms, min_hand_distance)
-        noise = WrenchNoise(max(noise.force, MIN_WRENCH_STD), max(noise.moment, MIN_WRENCH_STD), noise.rate)
+        noise = as_sensed(noise)
         return cls(
             names=tuple(arm.name for arm in arms),
             choices=choices,

@@ -39,7 +39,7 @@ from ..allocation.allocation_template import AllocationTemplate
 from ..planner import WrenchPlanner
 from ..quadratic_program import INFEASIBLE, OPTIMAL
 from .deviation import Deviation
-from .excitation_family import FreeSplit, Motions, contact_choices, motions
+from .excitation_family import FreeSplit, Motions, as_sensed, contact_choices, motions
 
 E_OPTIMAL, D_OPTIMAL = "E", "D"
 EFFORT_TOLERANCE = 1e-9
@@ -97,22 +97,25 @@ class ExcitationChooser:
     def __init__(
         self, cart: CartModel, arms: Sequence[Arm], noise: WrenchNoise, allowance: Allowance = Allowance()
     ) -> None:
-        self.cart, self.noise, self.allowance = cart, noise, allowance
+        self.cart, self.noise, self.allowance = cart, as_sensed(noise), allowance
         self._template = AllocationTemplate.of(cart, arms)
         self.choices = contact_choices(arms, allowance.min_hand_distance)
         self._planner = WrenchPlanner(cart, [arm.without_rate() for arm in arms])
         self._split = FreeSplit.of(self._template, self.choices)
-        self._noise = reduced_noise(cart, self.choices, noise, self._template.yaws)
+        self._noise = reduced_noise(cart, self.choices, self.noise, self._template.yaws)
         self.scales = phi_scales(cart.inertia.phi)
 
     def choose(self, reference: ReferencePath, window: tuple[float, float], information: Array) -> Excitation:
         """`information` (p, p) on `cart.parameters` is what is known before, with a prior, so that it is regular."""
         if not window[0] < window[1]:
             raise UsageError(f"excitation: the window {window} s has no length")
+        try:
+            before, direction = least_known(information, self.scales)
+        except np.linalg.LinAlgError as error:
+            raise UsageError("excitation: the information is not finite, or singular; add a prior's") from error
         family = motions(reference, self.cart, window, self.allowance.offset)
         lowest = self._split.efforts(family.needed)
         least, solved = self._least_effort(family, lowest[0])
-        before, direction = least_known(information, self.scales)
         if least is None:
             return Excitation(INFEASIBLE, window, before=before, direction=direction, solved=solved)
         totals = information + self.taught(family, window)

@@ -15,6 +15,7 @@ import numpy as np
 from cartgrasp.arms import Arm
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
+from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
 from cartgrasp.roles import ReferencePath
 
@@ -28,6 +29,8 @@ MIN_WEAVE_SPEED = 0.1  # m/s: a slower cart is not made to weave
 MIN_WEAVE_DURATION = 0.8  # s: there is no time to weave in less
 AMPLITUDE_FRACTIONS = (1.0, 0.5, 0.25, 0.125)
 SWING_COUNTS = (0, 1, 2)
+MIN_WRENCH_STD = 1e-3
+"""N and N·m: sensors are not taken to be better."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -66,6 +69,11 @@ def motions(reference: ReferencePath, cart: CartModel, window: tuple[float, floa
     keeps_on = (velocities[..., 0] * velocity[:, 0] >= 0).all(axis=1)
     kept = tuple(choice for choice, fine in zip(choices, keeps_on, strict=True) if fine)
     return Motions(kept, regressors[keeps_on], needed[keeps_on])
+
+
+def as_sensed(noise: WrenchNoise) -> WrenchNoise:
+    """The noise, at least that of the best sensors: exact wrenches would teach everything at once."""
+    return WrenchNoise(max(noise.force, MIN_WRENCH_STD), max(noise.moment, MIN_WRENCH_STD), noise.rate)
 
 
 def contact_choices(arms: Sequence[Arm], min_hand_distance: float) -> Array:

@@ -11,6 +11,7 @@ from itertools import pairwise
 
 import numpy as np
 
+from cartgrasp.checks import positive
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.roles import ContactChoice, ContactQuery, ReferencePath
@@ -38,7 +39,7 @@ def plan_excitation(
 ) -> ExcitationPlan:
     """In windows of `dwell` (s) to the reference's end, from what is known before; pure, so call it again when more is
     known. A window whose reference can't be driven is an error that names it."""
-    n = max(1, round(reference.duration / dwell))
+    n = max(1, round(reference.duration / positive("excitation: dwell", dwell, np.inf, "give s")))
     edges = np.linspace(0.0, reference.duration, n + 1).tolist()
     windows: list[Excitation] = []
     for window in pairwise(edges):

@@ -165,6 +165,11 @@ def test_only_a_steered_cart_weaves(rows):
     assert found.tried == 4
 
 
+def test_a_sensor_without_noise_is_as_good_as_the_best():
+    exact, best = (ExcitationChooser(CART, arms(), WrenchNoise(std, std)) for std in (0.0, 1e-3))
+    assert exact.choose(PATH, (1.0, 2.0), PRIOR).after == best.choose(PATH, (1.0, 2.0), PRIOR).after
+
+
 def test_what_can_not_be_asked():
     for wrong in ({"effort": -1.0}, {"offset": np.nan}, {"criterion": "A"}):
         with pytest.raises(UsageError, match="excitation"):
@@ -175,6 +180,12 @@ def test_what_can_not_be_asked():
         ExcitationChooser(CART, [Arm("hand", [(0, 0, 1)], weights=(1, 1, 0, 1, 1, 1))], NOISE)
     with pytest.raises(UsageError, match="no length"):
         ExcitationChooser(CART, arms(), NOISE).choose(PATH, (2.0, 2.0), PRIOR)
+    for wrong in (np.zeros((6, 6)), np.full((6, 6), np.nan)):
+        with pytest.raises(UsageError, match="singular; add a prior's"):
+            ExcitationChooser(CART, arms(), NOISE).choose(PATH, (1.0, 2.0), wrong)
+    for dwell in (0.0, -1.0, np.nan):
+        with pytest.raises(UsageError, match="excitation: dwell"):
+            plan_excitation(ExcitationChooser(CART, arms(), NOISE), PATH, PRIOR, dwell)
 
 
 def test_the_sequence_is_at_least_half_as_good_as_the_best():
