@@ -303,7 +303,8 @@ class WrenchPlanner:
 
     def _remembered(self, plan: Plan, wrenches: Array, contacts: Array) -> Plan:
         if self._now.switching.is_any:
-            plan = replace(plan, switched=self._now.last.moving_to(contacts, self._now.terms.base.names))
+            switched = self._now.last.moving_to(contacts, self._now.terms.base.names)
+            plan = Plan.of(vars(plan) | {"switched": switched})
         self._now.remember(wrenches, contacts)
         return plan
 

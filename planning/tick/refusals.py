@@ -31,7 +31,7 @@ def undecided(choice: Choice, start: float) -> Plan:
 
 def unproven(plan: Plan) -> Plan:
     """At contacts chosen by limits that don't hold there: others may be better."""
-    return replace(plan, tell=lambda: plan.figures._replace(choice=ChoiceProof(-math.inf, math.inf, 1)))
+    return Plan.of(vars(plan) | {"tell": lambda: plan.figures._replace(choice=ChoiceProof(-math.inf, math.inf, 1))})
 
 
 def at_nearest(plan: Plan, candidates: Candidates) -> Plan:

@@ -52,6 +52,20 @@ def test_no_general_solver_is_asked_at_the_tick(places, monkeypatch):
     assert any(np.abs(wrench).max() > 1.0 for wrench in held.wrenches.values())
 
 
+def test_what_is_relaxed_is_not_explained_at_the_tick_either(monkeypatch):
+    """Also where switching has a cost: which arms it moved is told at once."""
+    planner = WrenchPlanner(CART, TWO, relax=np.inf, switching_cost=5.0)
+    planner.warm_up()
+    first, second = ({"left": point, "right": (-0.25, -0.2, 1.0)} for point in TWO[0].contacts.points)
+    planner.plan_or_hold((30.0, 0.0, 1.0), first)
+    with monkeypatch.context() as patched:
+        patched.setattr(Plan, "explain", None)
+        plan = planner.plan_or_hold(BEYOND, second)
+        assert (plan.status, plan.switched) == (RELAXED, ("left",))
+    assert plan.certificate.verified
+    assert plan.message == plan.certificate.words
+
+
 @pytest.mark.parametrize("places", [ONE, TWO])
 def test_it_is_explained_as_the_general_road_does_whatever_came_after(places):
     warm, cold = planners(places)
