@@ -157,6 +157,12 @@ class Arm:
         object.__setattr__(other, "joints", joints)
         return other
 
+    def holding_at(self, contacts: ContactSet) -> Arm:
+        """The arm with other candidates."""
+        other = shallow_copy(self)
+        object.__setattr__(other, "contacts", contacts)
+        return other
+
     def without_rate(self) -> Arm:
         """The arm where there is time enough for any change: judgements over seconds are of it."""
         other = shallow_copy(self)

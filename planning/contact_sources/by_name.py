@@ -11,6 +11,7 @@ from cartgrasp.roles import ContactSource, ReferencePath
 
 from ..control.hand import RegraspTimes
 from ..planner import WrenchPlanner
+from ..tick.terms import possible_contacts
 from .by_time import FixedContacts, PeriodicContacts
 from .choosing import Choosing
 from .least_effort import LeastEffortContacts
@@ -23,9 +24,9 @@ def contact_source(
     way: str, cart: CartModel, arms: Sequence[Arm], reference: ReferencePath, choosing: Choosing, regrasp: RegraspTimes
 ) -> ContactSource:
     """The source called `way`, for a cart that is first believed to be `cart`. Contacts are judged over seconds, so
-    rates of the arms don't count."""
+    rates of the arms don't count; candidates that an arm can't hold are left out."""
     check_known("contacts", [way], STRATEGIES)
-    arms = [arm.without_rate() for arm in arms]
+    arms = [arm.without_rate().holding_at(possible_contacts(arm)) for arm in arms]
     if way == PERIODIC:
         return PeriodicContacts(arms, choosing.every, choosing.min_hand_distance)
     if way == LEAST_EFFORT:

@@ -228,7 +228,7 @@ class Terms:
         """Candidates stay the same object where arms may hold as before."""
         places = [(arm.contacts, arm.reach) for arm in base.arms]
         if places != self._places:
-            sets = {arm.name: _within_reach(arm) for arm in base.arms}
+            sets = {arm.name: possible_contacts(arm) for arm in base.arms}
             self.candidates = Candidates.of(list(sets.values()), self._settings.min_hand_distance)
             self.sets, self._places = sets, places
         self.template = self.base = base
@@ -256,7 +256,8 @@ def _wheel_forces(estimate: Estimate, basis_b: Array, wrench_b: Array) -> WheelF
     return WheelForces.of(read_cart(estimate, basis_b), wrench_b, estimate.motion)
 
 
-def _within_reach(arm: Arm) -> ContactSet:
+def possible_contacts(arm: Arm) -> ContactSet:
+    """The arm's candidates that are within its reach, and of which it has a posture; a `UsageError` if none is."""
     left = arm.contacts if arm.reach is None else arm.reach.clip(arm.contacts)
     if left is None:
         ends = [*arm.contacts.points, *(end for s in arm.contacts.segments for end in (s.start, s.stop))]

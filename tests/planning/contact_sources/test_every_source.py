@@ -150,6 +150,25 @@ def test_hands_keep_their_distance_from_the_first_choice_on(way, force):
             assert np.linalg.norm(held["left"] - held["right"]) >= 0.3 - 1e-9
 
 
+class NoPostureInFront:
+    bears = cg.JointTorques(np.eye(6), np.zeros(6), np.full(6, 90.0))
+
+    def joints_at(self, contact, yaw):
+        if contact[0] > -0.1:
+            raise UsageError("no posture there")
+        return self.bears
+
+
+def test_no_hand_is_sent_where_it_can_not_hold(way):
+    """What is beyond reach, at first and later, or has no posture."""
+    short = {"reach": cg.Reach.box((-0.6, -1.0, 0.0), (1.0, 1.0, 2.0)), "joints": NoPostureInFront()}
+    hands = [cg.Arm(arm.name, arm.contacts.points, **short) for arm in arms()]
+    one, held = source(way, holders=hands), {}
+    for time in np.arange(0.0, PATH.duration, 0.5).tolist():
+        held = dict(one.contacts(query(time, held, estimate(time=time))).contacts)
+        assert [held["left"].tolist(), held["right"].tolist()] == [[-0.45, 0.3, 0.8], [-0.45, -0.3, 0.8]]
+
+
 def test_a_controller_drives_with_it(way):
     controller = Controller(CART, arms(), PATH, contacts=way, choosing=CHOOSING)
     for time in (0.0, 0.01, 0.02):
