@@ -63,6 +63,8 @@ def nearest(template: AllocationTemplate, points: Array, wrench: Point) -> tuple
             break
         before = missing
         load_gradient(workspace, np.concatenate([-PROXIMAL_WEIGHT * found[:n], np.zeros(k)]), 0.0)
+    else:
+        return UNPROVEN
     return found[:n].copy(), (1.0 + SLACK_MARGIN_RATIO) * missing
 
 

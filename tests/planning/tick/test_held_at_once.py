@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given
 from hypothesis import strategies as st
 
-from cartgrasp.arms import Arm
+from cartgrasp.arms import Arm, Friction
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
@@ -64,6 +64,25 @@ def test_what_is_relaxed_is_not_explained_at_the_tick_either(monkeypatch):
         assert (plan.status, plan.switched) == (RELAXED, ("left",))
     assert plan.certificate.verified
     assert plan.message == plan.certificate.words
+
+
+def test_the_nearest_is_the_nearest_where_it_takes_forces_a_thousand_times_as_large():
+    """A hand whose friction all but lets it turn the cart by its force alone."""
+    hand = Arm(
+        "hand",
+        [(-0.29346, -0.30964, 1.0)],
+        yaw=1.870469,
+        friction=Friction(0.309292),
+        force_limit=(12e3, 10e3, 2e3),
+        moment_limit=(400.0, 360.0, 675.6),
+    )
+    asked = np.array([1.0374, 0.0, -0.41977])
+    warm, cold = (WrenchPlanner(CART, [hand], relax=np.inf) for _ in range(2))
+    warm.warm_up()
+    plans = [planner.plan_or_hold(asked) for planner in (warm, cold)]
+    missed = [np.linalg.norm((plan.cart_wrench - asked)[[0, 2]]) for plan in plans]
+    assert missed[0] == pytest.approx(missed[1], rel=1e-4)
+    assert np.linalg.norm(list(plans[0].missing.values())) == pytest.approx(missed[0], rel=1e-4)
 
 
 @pytest.mark.parametrize("places", [ONE, TWO])
