@@ -14,9 +14,10 @@ from ..frames import Array
 from ..model import CartModel
 from .mapped.resampling import MAX_OFFSET_STEPS
 from .run_log import ArmLog, RunLog
+from .stamp_rounding import stamp_rounding
 
 TIE_BREAK_FRACTION = 1e-6
-"""Share of a step by which the earlier of two equally near samples is preferred, whatever rounding says."""
+"""Share of a step by which the earlier of two equally near samples is preferred, at least: rounding decides nothing."""
 
 
 def aligned(log: RunLog, cart: CartModel) -> RunLog:
@@ -36,7 +37,7 @@ def _moved(time: Array, rows: Array, delay: float) -> Array:
     if len(time) < 2:
         return np.full_like(rows, np.nan)
     step = np.median(np.diff(time))
-    at = time + delay - TIE_BREAK_FRACTION * step
+    at = time + delay - max(TIE_BREAK_FRACTION * step, 2 * stamp_rounding(time))
     after = np.clip(np.searchsorted(time, at), 1, len(time) - 1)
     nearest = np.where(at - time[after - 1] <= time[after] - at, after - 1, after)
     return np.where(np.abs(time[nearest] - at)[:, None] < MAX_OFFSET_STEPS * step, rows[nearest], np.nan)

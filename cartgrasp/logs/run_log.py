@@ -11,6 +11,7 @@ from ..checks import brief, check_kind, digits, rows
 from ..errors import DataError, UsageError
 from ..frames import PLANAR, Array
 from ..motion import Measurement
+from .stamp_rounding import stamp_rounding
 
 POSE_COLUMNS = ("x", "y", "theta")
 VELOCITY_COLUMNS = ("vx", "vy", "omega")
@@ -142,7 +143,7 @@ class RunLog:
         and contact, and the mean of the wrenches that are there. Sensors may have rates of their own."""
         with np.errstate(over="ignore"):
             step = float(np.median(np.diff(self.time))) if len(self) > 1 else np.inf
-        size = int(min(1.0 / (rate * step) + 1e-6, len(self)))
+        size = int(min((1.0 + stamp_rounding(self.time) / step) / (rate * step) + 1e-6, len(self)))
         if size < 2:
             return self
         n = len(self) // size * size
