@@ -33,11 +33,13 @@ def of_body(pose: Array, body: Array) -> Array:
     return np.column_stack([pose[:, :2] + moved, pose[:, 2] + body[2]])
 
 
-def world_velocity(twist: Array, pose: Array, body: Array) -> Array:
-    """Velocity (n, 3) of {b}'s origin in {s}, of twists (n, 3) of the tracked frame in itself; `pose` is {b}'s."""
-    rate = twist[:, 2]
-    at_body = np.column_stack([twist[:, 0] - rate * body[1], twist[:, 1] + rate * body[0], rate])
-    return np.asarray(np.einsum("nij,nj->ni", body_to_world(pose[:, 2] - body[2]), at_body))
+def world_velocity(twist: Array, heading: Array, body: Array, is_along_world: bool = False) -> Array:
+    """Velocity (n, 3) of {b}'s origin in {s}, of twists (n, 3) of the tracked frame, whose heading is (n,): along its
+    own axes, or along the world's, where a heading is needed for what is not tracked at {b}'s origin alone."""
+    lever = twist[:, 2:] * [-body[1], body[0], 0.0]
+    if not is_along_world:
+        return np.asarray(np.einsum("nij,nj->ni", body_to_world(heading), twist + lever))
+    return twist + np.einsum("nij,nj->ni", body_to_world(heading), lever) if body[:2].any() else twist
 
 
 def spline_velocity(time: Array, pose: Array, noise: tuple[float, float, float], at: Array, max_gap: float) -> Array:

@@ -36,8 +36,9 @@ class MapReading:
 @dataclass(frozen=True)
 class MappedSamples:
     """Samples of the bag or the table `name` by their place in its map: poses (n, 3) of the tracked frame, its twist
-    (n, 3) in itself where the map wants one, wrenches (n, 6) as they were read, contact points (n, 3). `tilt` is the
-    largest angle between the tracked frame's z and the vertical, rad; None where all is planar."""
+    (n, 3) where the map wants one, along its own axes if not `is_velocity_in_world`, wrenches (n, 6) as they were read,
+    contact points (n, 3). `tilt` is the largest angle between the tracked frame's z and the vertical, rad; None where
+    all is planar."""
 
     name: str
     map_file: MapFile[Any]
@@ -45,6 +46,7 @@ class MappedSamples:
     steps: ProcessingSteps
     tilt: float | None = None
     lost: Sequence[str] = ()
+    is_velocity_in_world: bool = False
 
     def log(self) -> MapReading:
         """The run log of them, with how it came about."""
@@ -53,13 +55,14 @@ class MappedSamples:
         tracked = self._tracked()
         wrenches = {name: self._wrench(name, arm, tracked) for name, arm in map_.arms.items()}
         time = self._clock()
-        pose = interpolated(tracked.time, tracked.numbers, time, map_.max_gap)
+        pose = interpolated(tracked.time, tracked.numbers, time, tracked.bridged(map_.max_gap))
         figures = {"taken": pose.taken, "interpolated": pose.interpolated, "masked": pose.masked}
         self.steps.add("pose", "on the log's clock", **figures)
         velocity = self._velocity(tracked, pose.rows, time)
         arms = {}
         for name, arm in map_.arms.items():
-            rows = averaged(wrenches[name].time, wrenches[name].numbers, time, map_.max_gap)
+            wrench = wrenches[name]
+            rows = averaged(wrench.time, wrench.numbers, time, wrench.bridged(map_.max_gap))
             figures = {"averaged": rows.taken, "interpolated": rows.interpolated, "masked": rows.masked}
             self.steps.add(name, "wrenches on the log's clock", **figures)
             arms[name] = ArmLog(self._contact(name, arm, time), rows.rows)
@@ -69,8 +72,8 @@ class MappedSamples:
 
     def _check_steps(self) -> None:
         for where, samples in self.samples.items():
-            step = samples.usual_step
-            if step > self.map_file.map.max_gap and len(where) < 3:
+            if samples.is_slower(self.map_file.map.max_gap) and len(where) < 3:
+                step = samples.usual_step
                 why = f"{'.'.join(where)} has a sample every {step:.3g} s, so all would be gaps; state a longer one"
                 raise self.map_file.refuse(("max_gap",), why)
 
@@ -155,12 +158,16 @@ class MappedSamples:
         if entry.velocity == "none":
             return None
         if entry.velocity != "spline":
-            in_world = world_velocity(self.samples["velocity",].numbers, tracked.numbers, np.array(entry.body))
-            velocity = interpolated(tracked.time, in_world, time, max_gap).rows
+            twist, body = self.samples["velocity",], np.array(entry.body)
+            heading = TimedSamples(tracked.time, tracked.numbers[:, 2:] - body[2]).whole
+            there = interpolated(heading.time, heading.numbers, twist.time, heading.bridged(max_gap)).rows[:, 0]
+            in_world = world_velocity(twist.numbers, there, body, self.is_velocity_in_world)
+            velocity = interpolated(twist.time, in_world, time, twist.bridged(max_gap)).rows
         else:
             assert entry.noise is not None
             noise = (entry.noise.position, entry.noise.position, entry.noise.heading)
-            velocity = spline_velocity(tracked.time, tracked.numbers, noise, time, max_gap)
+            gap = tracked.whole.bridged(max_gap)
+            velocity = spline_velocity(tracked.time, tracked.numbers, noise, time, gap)
             velocity[np.isnan(pose).any(axis=1)] = np.nan
         self.steps.add("pose", f"velocity by {entry.velocity}", masked=int(np.isnan(velocity).any(axis=1).sum()))
         return velocity
@@ -172,6 +179,6 @@ class MappedSamples:
         if samples.is_static:
             self.steps.add(name, "contact point from a static transform", sent=len(samples.time))
             return np.tile(samples.numbers[-1, :3], (len(time), 1))
-        rows = held(samples.time, samples.numbers[:, :3], time, self.map_file.map.max_gap)
+        rows = held(samples.time, samples.numbers[:, :3], time, samples.bridged(self.map_file.map.max_gap))
         self.steps.add(name, "contact points from TF, held", rows=rows.taken, masked=rows.masked)
         return rows.rows

@@ -52,12 +52,13 @@ class TableSource:
         tracked[:, 2] = unwrapped(tracked[:, 2])
         found["pose",] = TimedSamples(samples.time, tracked)
         if has_velocity:
-            recorded = samples.numbers[:, 3:]
-            twist = _in_cart(recorded, tracked) if pose.frame == "world" else recorded
-            found["velocity",] = TimedSamples(samples.time, twist)
+            found["velocity",] = TimedSamples(samples.time, samples.numbers[:, 3:])
+        if map_.clock != "pose":  # to which a blank is no sample
+            found = {where: samples.whole for where, samples in found.items()}
         for name, arm in map_.arms.items():
             found |= self._arm(name, arm)
-        return MappedSamples(str(self.path), self.map_file, found, self.steps)
+        is_in_world = pose.frame == "world"
+        return MappedSamples(str(self.path), self.map_file, found, self.steps, is_velocity_in_world=is_in_world)
 
     def _arm(self, name: str, arm: TableArm) -> dict[MapPlace, TimedSamples]:
         where = ("arms", name)
@@ -66,7 +67,7 @@ class TableSource:
         found: dict[MapPlace, TimedSamples] = {where: self._clocked(where, arm, values, arm.latency)}
         if isinstance(arm.contact, ContactColumns):
             points = {part: getattr(arm.contact, part) for part in CONTACT_COLUMNS}
-            found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, arm.latency)
+            found[*where, "contact"] = self._clocked((*where, "contact"), arm, points, arm.latency).whole
         return found
 
     def _clocked(
@@ -152,13 +153,6 @@ def _yaw(table: Table, entry: QuaternionEntry) -> Array:
         why = f"the quaternion's norm is {np.linalg.norm(rows[i]):.3g}, not 1"
         raise table.refuse(entry.quaternion[0], why, table.lines[i])
     return yaw_of(rows)
-
-
-def _in_cart(velocity: Array, pose: Array) -> Array:
-    """Velocities (n, 3) along the world's axes, along the tracked frame's."""
-    c, s = np.cos(pose[:, 2]), np.sin(pose[:, 2])
-    vx, vy, omega = velocity.T
-    return np.column_stack([c * vx + s * vy, c * vy - s * vx, omega])
 
 
 def _said(value: ColumnEntry) -> str:
