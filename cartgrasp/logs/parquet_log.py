@@ -49,6 +49,15 @@ def parquet_numbers(table: Any, j: int, name: str) -> Array:
     return values
 
 
+def parquet_text(table: Any, j: int) -> list[str]:
+    """The cells (n,) of a column that holds no numbers; Python has no type for dates to the nanosecond."""
+    arrow, _ = _libraries()
+    column = table.column(j)
+    if arrow.types.is_temporal(column.type):
+        column = column.cast(arrow.string())
+    return [str(cell) for cell in column.to_pylist()]
+
+
 def write_parquet(log: RunLog, path: str | Path) -> Path:
     arrow, parquet = _libraries()
     stream = io.BytesIO()

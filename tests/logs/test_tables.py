@@ -14,6 +14,7 @@ from scipy.spatial.transform import Rotation
 from cartgrasp.errors import CartgraspError, FileError, LogError
 from cartgrasp.logs import read_log
 from cartgrasp.logs.csv_log import PAGE
+from cartgrasp.logs.tables.proposing import propose
 from cartgrasp.logs.tables.units import UNITS, unit_of
 
 from ..cli.commands import ROOT
@@ -188,6 +189,34 @@ arms: {}
     assert np.allclose(log.table, np.column_stack([TIME, X, Y, THETA]), atol=1e-12)
     with pytest.raises(LogError, match="state: 'on' is not a number"):
         read_log(mapped(tmp_path / "mine.parquet", text.replace("column: yaw", "column: state")))
+
+
+@pytest.mark.parametrize("kind", ["timestamp", "duration", "int64", "uint64"])
+def test_parquet_with_stamps_to_the_nanosecond(tmp_path, kind):
+    """As pandas and ROS write them: whole numbers are read, dates are refused as text, where they had been no error of
+    this library's."""
+    arrow = pytest.importorskip("pyarrow")
+    import pyarrow.parquet
+
+    stamps = arrow.array(1_732_000_000_123_456_789 + np.round(1e9 * TIME).astype(np.int64))
+    types = {"timestamp": arrow.timestamp("ns", tz="UTC"), "duration": arrow.duration("ns")}
+    stamps = stamps.cast(types.get(kind, kind))
+    path = tmp_path / "mine.parquet"
+    pyarrow.parquet.write_table(arrow.table({"t": stamps, "x": X, "y": Y, "yaw": THETA}), path)
+    text = """\
+time: {column: t, unit: ns}
+pose: {x: {column: x, unit: m}, y: {column: y, unit: m}, theta: {column: yaw, unit: rad}}
+arms: {}
+"""
+    assert "column: yaw" in propose(path).text
+    if kind == "timestamp":
+        with pytest.raises(
+            LogError, match=r"t: '2024-11-19 07:06:40\.123456789Z' is not a number \(write times as sec"
+        ):
+            read_log(mapped(path, text))
+    else:
+        log = read_log(mapped(path, text))
+        assert np.allclose(log.time - 1732000000.123456789, TIME, atol=5e-7, rtol=0)
 
 
 OPEN = """\

@@ -111,7 +111,7 @@ def read_table(path: Path, layout: TableFormat) -> Table:
 
 def _parquet(path: Path, every: int) -> Table:
     """What is no column of numbers is refused when it is asked for, as text that is none."""
-    from ..parquet_log import open_parquet, parquet_numbers
+    from ..parquet_log import open_parquet, parquet_numbers, parquet_text
 
     name, table = str(path), open_parquet(path)
     if not table.num_rows:
@@ -121,7 +121,7 @@ def _parquet(path: Path, every: int) -> Table:
         try:
             cells.append(parquet_numbers(table, j, name)[::every])
         except LogError:
-            cells.append([str(cell) for cell in table.column(j).to_pylist()[::every]])
+            cells.append(parquet_text(table, j)[::every])
     header = tuple(str(column) for column in table.column_names)
     return Table(name, header, cells, range(1, table.num_rows + 1, every))
 
