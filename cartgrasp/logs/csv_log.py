@@ -37,8 +37,12 @@ def read_csv(path: str | Path) -> RunLog:
             rows = [(reader.line_num, row) for row in reader]
         except csv.Error as error:
             raise LogError(Place(name, reader.line_num), "", f"is not CSV: {error}") from error
-    if not rows or not any(rows[0][1]):
+    first = next((i for i, (_, row) in enumerate(rows) if any(cell.strip() for cell in row)), None)
+    if first is None:
         raise LogError(Place(name, 1), "", "the file is empty; a header line is needed")
+    if first:
+        why = f"is blank; the header, now in line {rows[first][0]}, must stand here: take out what is above it"
+        raise LogError(Place(name, 1), "", why)
     header = [column.strip() for column in rows[0][1]]
     check_columns(header, name)
     lines = [(line, row) for line, row in rows[1:] if row]
