@@ -12,6 +12,7 @@ from cartgrasp.logs.tables.proposing import propose
 from cartgrasp.logs.tables.proposing.layout import layout_of
 from cartgrasp.logs.tables.proposing.names import meaning_of
 from cartgrasp.logs.tables.proposing.proposal import is_akin
+from cartgrasp.logs.tables.questions import value_of, without_marks
 from cartgrasp.logs.tables.table_map import open_questions
 from cartgrasp.yaml_file import parse_yaml
 
@@ -178,6 +179,23 @@ def test_columns_that_are_taken_for_the_same_are_asked_about(tmp_path):
     assert asked(path)["arms.arm.fx.column"] == "fx raw [N]"
     path = circling(tmp_path, "t_s,x_m,y_m,theta_rad,Fx_N,Fx_N")
     assert asked(path)["arms.arm.fx.column"] == "5"
+
+
+@pytest.mark.parametrize("name", ["Fx #1 raw", "&Fx raw", "'Fx' raw", "Fx: raw"])
+def test_a_guess_that_is_right_is_the_columns_name(tmp_path, name):
+    """YAML would end it at its ` #`."""
+    path = circling(tmp_path, f"t_s,x_m,y_m,theta_rad,{name},{name.replace('raw', 'filtered')}")
+    text = propose(path).text
+    assert [said for where, said in asked(path).items() if where.endswith("fx.column")] == [name]
+    arms = without_marks(parse_yaml(text, "m"), "m")["arms"]
+    assert [arm["fx"]["column"] for arm in arms.values()] == [name]
+
+
+@pytest.mark.parametrize(
+    ("text", "value"), [("1", 1), ("-0.5", -0.5), ("[1, 2]", [1, 2]), ("'1'", "1"), ('"a b"', "a b")]
+)
+def test_answers_are_read_as_yaml(text, value):
+    assert value_of(text) == value
 
 
 def test_a_moment_without_its_force_is_told(tmp_path):

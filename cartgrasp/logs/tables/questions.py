@@ -28,11 +28,12 @@ def without_marks(document: CommentedMap, name: str) -> CommentedMap:
 
 
 def value_of(text: str, name: str = "the answer") -> Any:
-    """As YAML reads it."""
+    """As YAML reads it, but words as they stand unless they are quoted: those of a column may hold `#` or `&`."""
     try:
-        return parse_yaml(f"value: {text}", name)["value"]
+        value = parse_yaml(f"value: {text}", name)["value"]
     except FileError:
         return text
+    return value if text[:1] in ("'", '"') or not isinstance(value, str) else text
 
 
 def put(document: CommentedMap, where: Location, value: Any) -> None:
