@@ -7,7 +7,7 @@ from pathlib import Path
 from typing import Any
 
 from ..errors import UsageError, printable
-from ..logs import WRITERS, is_bag_name, read_log, read_mapped, write_log
+from ..logs import WRITERS, files_of, is_bag_name, read_log, read_mapped, write_log
 from ..logs.provenance import provenance
 from ..strict_json import finite
 from ..writing import write_atomically
@@ -17,7 +17,8 @@ MAX_LOSSES_SHOWN = 20
 
 
 def run(source: Path, out: Path, topics: Path | None, salvage: bool, as_json: bool) -> int:
-    check_writable(out, source, topics)
+    files = files_of(source, topics)
+    check_writable(out, topics, *files)
     if out.suffix.lower() not in WRITERS:
         raise UsageError(f"--out {out}: name a file that ends in {', '.join(WRITERS)}")
     if salvage and not is_bag_name(source):
@@ -32,7 +33,7 @@ def run(source: Path, out: Path, topics: Path | None, salvage: bool, as_json: bo
         log, lost, topic_map = reading.log, list(reading.lost), reading.map.model_dump()
         steps = [{"of": step.of, "what": step.what, **step.figures} for step in reading.steps]
     write_log(log, out)
-    document = finite(provenance(source, out, steps, lost, topic_map))
+    document = finite(provenance(files, out, steps, lost, topic_map))
     beside = out.with_name(f"{out.stem}.provenance.json")
     write_atomically(beside, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
     if as_json:

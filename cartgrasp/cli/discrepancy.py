@@ -27,7 +27,7 @@ def run(
     if follow is not None:
         sources = following(sources, follow)
     if next_file is not None:
-        check_writable(next_file, sources.cart, sources.topics, *sources.logs, option="--next")
+        check_writable(next_file, *sources.files, option="--next")
     cart, logs = cart_and_logs(sources, out)
     check_logs(logs, cart, sources.accepted, is_told=not as_json)
     inputs = Inputs.of(sources, out) if out is not None else None

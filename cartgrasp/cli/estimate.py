@@ -31,7 +31,7 @@ METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
 
 def run(sources: Sources, method: str, out: Path | None, as_json: bool) -> int:
     if out is not None:
-        check_writable(out, *sources.logs, sources.cart, sources.topics)
+        check_writable(out, *sources.files)
     cart, (log,) = cart_and_logs(sources)
     if method == "paper":
         check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")

@@ -13,6 +13,7 @@ from pathlib import Path
 from pydantic import TypeAdapter, ValidationError
 
 from ..errors import DataError, UsageError
+from ..logs import files_of
 from ..logs.provenance import sum_of_all
 from ..writing import write_atomically
 from .log_inputs import Sources
@@ -30,13 +31,15 @@ class Input:
 
 @dataclass(frozen=True)
 class Inputs:
-    """The sources of one report, with checksums; `cart` is None where a data set brings its own."""
+    """The sources of one report, with checksums; `cart` is None where a data set brings its own. `beside` are the maps
+    that the logs have of their own, and tables that maps name."""
 
     cart: Input | None
     logs: tuple[Input, ...]
     topics: Input | None = None
     coasting: bool = False
     accepted: tuple[str, ...] = ()
+    beside: tuple[Input, ...] = ()
 
     @classmethod
     def of(cls, sources: Sources, folder: Path) -> Inputs:
@@ -46,7 +49,10 @@ class Inputs:
             return Input(os.path.relpath(path.resolve(), folder.resolve()), sum_of_all(path))
 
         cart, topics = (told(path) if path else None for path in (sources.cart, sources.topics))
-        return cls(cart, tuple(map(told, sources.logs)), topics, sources.coasting, sources.accepted)
+        logs = tuple(map(told, sources.logs))
+        further = dict.fromkeys(file for log in sources.logs for file in files_of(log, sources.topics)[1:])
+        beside = tuple(told(file) for file in further if file != sources.topics and file.is_file())
+        return cls(cart, logs, topics, sources.coasting, sources.accepted, beside)
 
     def save(self, folder: Path) -> Path:
         return write_atomically(folder / INPUTS_FILE_NAME, json.dumps(asdict(self), indent=1) + "\n")
@@ -56,6 +62,8 @@ def following(sources: Sources, folder: Path) -> Sources:
     """The sources with the logs of an earlier report before one's own, and with its cart unless another is given."""
     inputs = _read(folder / INPUTS_FILE_NAME)
     logs = tuple(_there(folder, one, "log") for one in inputs.logs)
+    for one in inputs.beside:
+        _there(folder, one, "map or table beside a log")
     return Sources(
         (*logs, *sources.logs),
         sources.cart or (_there(folder, inputs.cart, "cart") if inputs.cart else None),

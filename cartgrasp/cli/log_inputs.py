@@ -10,7 +10,7 @@ import numpy as np
 
 from ..cart_file import load_cart
 from ..errors import CartgraspError, LogError, UsageError
-from ..logs import RunLog, read_log, said_to_coast
+from ..logs import RunLog, files_of, read_log, said_to_coast
 from ..logs.coasting import check_said
 from ..logs.emps import rail_cart
 from ..model import CartModel
@@ -32,6 +32,11 @@ class Sources:
     coasting: bool = False
     accepted: tuple[str, ...] = ()
 
+    @property
+    def files(self) -> tuple[Path | None, ...]:
+        """All that is read."""
+        return self.cart, self.topics, *(file for log in self.logs for file in files_of(log, self.topics))
+
 
 def cart_and_logs(sources: Sources, out: Path | None = None) -> tuple[CartModel, list[RunLog]]:
     """The folder `out` is made where it is wanted, before the work whose results go there."""
@@ -44,7 +49,7 @@ def cart_and_logs(sources: Sources, out: Path | None = None) -> tuple[CartModel,
             raise UsageError(f"{path}: is given twice; name each log once")
     if out is not None:
         make_folder(out)
-        check_writable(out / CART_FILE_NAME, sources.cart, topics, *paths)
+        check_writable(out / CART_FILE_NAME, *sources.files)
     read = _log if topics is None or len(paths) == 1 else _one_of_several
     logs = [read(path, topics, sources.coasting) for path in paths]
     for (path, log), (other, same) in combinations(zip(paths, logs, strict=True), 2):

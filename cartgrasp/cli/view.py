@@ -13,7 +13,7 @@ from estimation.whole_log.replay import replay
 
 from ..cart_file import load_cart
 from ..errors import UsageError
-from ..logs import RunLog, read_log
+from ..logs import RunLog, files_of, read_log
 from ..model import CartModel
 from ..motion import Estimate
 from ..view.player import write_player
@@ -32,7 +32,7 @@ def run(
         if kind != "page" and one.suffix.lower() not in endings:
             raise UsageError(f"--{kind} {one}: give a name that ends in {' or '.join(endings)}")
     for one in wanted.values():
-        check_writable(one, path, cart_path, topics)
+        check_writable(one, cart_path, topics, *files_of(path, topics))
     cart = None if cart_path is None else load_cart(cart_path)
     log = without_sentinels(read_log(path, topics)).thinned()
     shown = ShownRun.of_log(log, cart, _estimates(log, cart))

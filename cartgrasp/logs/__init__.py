@@ -4,11 +4,12 @@ from __future__ import annotations
 
 import os
 from collections.abc import Callable
+from contextlib import suppress
 from pathlib import Path
 from typing import TYPE_CHECKING
 
 from ..checks import check_kind
-from ..errors import LogError, Place, UsageError
+from ..errors import CartgraspError, LogError, Place, UsageError
 from .coasting import coasts, said_to_coast
 from .csv_log import read_csv, write_csv
 from .emps import read_emps
@@ -90,6 +91,24 @@ def read_mapped(path: Path, topics: str | Path | None, salvage: bool = False) ->
     return None
 
 
+def files_of(path: Path, topics: Path | None) -> tuple[Path, ...]:
+    """What a log is read from: its file, its map, and the tables that the map names. A map that is wrong names none."""
+    if is_bag_name(path):
+        from .bags import map_path_of
+
+        map_path = topics or map_path_of(path)
+        return (path,) if map_path is None else (path, map_path)
+    own = path.with_name(f"{path.name}{MAP_SUFFIX}")
+    map_path = topics or (own if os.path.isfile(own) else None)
+    if map_path is None or path.suffix.lower() not in TABLES:
+        return (path,)
+    from .tables import tables_beside
+
+    with suppress(CartgraspError):  # which is told when it is read
+        return (path, map_path, *tables_beside(path, map_path))
+    return path, map_path
+
+
 def is_bag_name(path: Path) -> bool:
     """Whether it is read through a topic map: a bag, or a folder with a recorder's files in it."""
     try:
@@ -109,4 +128,14 @@ def write_log(log: RunLog, path: str | Path) -> Path:
     return writer(log, path)
 
 
-__all__ = ["ArmLog", "RunLog", "coasts", "is_bag_name", "read_log", "read_mapped", "said_to_coast", "write_log"]
+__all__ = [
+    "ArmLog",
+    "RunLog",
+    "coasts",
+    "files_of",
+    "is_bag_name",
+    "read_log",
+    "read_mapped",
+    "said_to_coast",
+    "write_log",
+]

@@ -9,19 +9,20 @@ from typing import Any
 
 
 def provenance(
-    source: Path,
+    sources: Sequence[Path],
     written: Path,
     steps: Sequence[Mapping[str, Any]],
     lost: Sequence[str],
     topic_map: Mapping[str, Any] | None,
 ) -> dict[str, Any]:
-    """A document beside a log that was written from another."""
+    """A document beside a log that was written from another, the first of the files that were read."""
     from .. import __version__
 
+    files = dict.fromkeys(file for source in sources for file in _files(source))
     return {
         "written_by": f"cartgrasp {__version__}",
         "log": {"name": written.name, "sha256": sum_of(written)},
-        "source": {"name": source.name, "files": [{"name": p.name, "sha256": sum_of(p)} for p in _files(source)]},
+        "source": {"name": sources[0].name, "files": [{"name": p.name, "sha256": sum_of(p)} for p in files]},
         "topics": topic_map,
         "steps": list(steps),
         "lost": list(lost),

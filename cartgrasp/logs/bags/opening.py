@@ -51,13 +51,18 @@ def open_bag(path: Path, salvage: bool = False) -> Bag:
 
 def map_of(path: Path) -> TopicMapFile | None:
     """The map BAG.topics.yaml, else the one in a bag that cartgrasp wrote, else topics.yaml in the folder."""
+    if (file := map_path_of(path)) is not None:
+        return load_topic_map(file)
+    embedded = embedded_map(path)
+    return None if embedded is None else topic_map_from_text(embedded, f"{path} (the map in it)")
+
+
+def map_path_of(path: Path) -> Path | None:
+    """The map's file, if it is one."""
     own, common = beside(path)
     if os.path.isfile(own):  # which says no where the name is too long for a file
-        return load_topic_map(own)
-    embedded = embedded_map(path)
-    if embedded is not None:
-        return topic_map_from_text(embedded, f"{path} (the map in it)")
-    return load_topic_map(common) if common.is_file() else None
+        return own
+    return common if common.is_file() and embedded_map(path) is None else None
 
 
 def embedded_map(path: Path) -> str | None:
