@@ -129,6 +129,18 @@ def make_folder(path: Path) -> None:
         path.mkdir(parents=True, exist_ok=True)
     except OSError as error:
         raise UsageError(f"--out {path}: can't be made: {error.strerror}; name another folder") from error
+    try:
+        _try_to_write(path)
+    except OSError as error:
+        raise UsageError(f"--out {path}: can't be written: {error.strerror}; name another folder") from error
+
+
+def _try_to_write(folder: Path) -> None:
+    """Raises OSError where no file can be made; permissions alone don't tell."""
+    from tempfile import TemporaryFile
+
+    with TemporaryFile(dir=folder):
+        pass
 
 
 def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> None:
@@ -146,5 +158,6 @@ def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> N
             is_inside = path.exists() and path.resolve().is_relative_to(folder.resolve())
             if is_inside and path.suffix in STORAGES:
                 raise UsageError(f"{option} {path}: is of the recording {folder}; name another file")
+        _try_to_write(path.parent)
     except OSError as error:
         raise UsageError(f"{option} {path}: can't be written: {error.strerror}; name another file") from error

@@ -49,6 +49,15 @@ def test_names_that_no_file_can_have(capsys, inputs, command):
     assert sorted(p.name for p in log.parent.iterdir()) == ["cart.yaml", "run.csv"]
 
 
+@pytest.mark.parametrize("command", [*ENDINGS, "identify", "discrepancy", "simulate", "demo"])
+def test_a_folder_that_takes_no_files_is_told_first(capsys, inputs, command):
+    """Nobody may write into Linux's /proc. Only when all was done had one been told."""
+    log, cart = inputs
+    options = {"convert": [log], "simulate": ["--cart", cart], "demo": []}.get(command, [log, "--cart", cart])
+    out = f"/proc/ok.{ENDINGS[command]}" if command in ENDINGS else "/proc"
+    run(capsys, command, *options, "--out", out).refused(2, f"--out {out}: can't be written", "; name another f")
+
+
 def test_topics_of_a_name_that_no_file_can_have(capsys, tmp_path):
     run(capsys, "topics", tmp_path / (LONG + ".mcap")).refused(3, "File name too long")
 
