@@ -34,7 +34,7 @@ def run(source: Path, out: Path, topics: Path | None, salvage: bool, as_json: bo
         steps = [{"of": step.of, "what": step.what, **step.figures} for step in reading.steps]
     write_log(log, out)
     document = finite(provenance(files, out, steps, lost, topic_map))
-    beside = out.with_name(f"{out.stem}.provenance.json")
+    beside = out.with_name(f"{out.name}.provenance.json")
     write_atomically(beside, json.dumps(document, indent=2, ensure_ascii=False, allow_nan=False) + "\n")
     if as_json:
         print_json({"log": str(out), "provenance": str(beside), "rows": len(log), "steps": steps, "lost": lost})

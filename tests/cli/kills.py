@@ -66,9 +66,9 @@ RUN = "studies.scenario.Scenario.run"
 RUNS = "studies.campaigns.closed_loop.ClosedLoopRun.run"
 REPORT = ("o/report.json", "o/report.html", "o/cart.yaml")
 TRIALS = [
-    Trial("convert run.csv --out o.parquet", ("o.parquet", "o.provenance.json")),
+    Trial("convert run.csv --out o.parquet", ("o.parquet", "o.parquet.provenance.json")),
     Trial("convert run.csv --out o.mcap", ("o.mcap",)),
-    Trial("convert run.bag --out o.csv", ("o.csv", "o.provenance.json")),
+    Trial("convert run.bag --out o.csv", ("o.csv", "o.csv.provenance.json")),
     Trial("topics run.bag --out o.yaml"),
     Trial("check run.csv --cart cart.yaml --out o.png", ("o.png",)),
     Trial("estimate run.csv --cart cart.yaml --out o.csv", ("o.csv",)),

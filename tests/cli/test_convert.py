@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import hashlib
 import json
+from pathlib import Path
 
 import numpy as np
 import pytest
@@ -46,13 +47,21 @@ def test_provenance(capsys, tmp_path, csv):
     answer = run(capsys, "convert", csv, "--out", tmp_path / "run.mcap", "--json")
     assert answer.json["rows"] == 250
     run(capsys, "convert", tmp_path / "run.mcap", "--out", tmp_path / "back.parquet", "--json")
-    document = json.loads((tmp_path / "back.provenance.json").read_text())
+    document = json.loads((tmp_path / "back.parquet.provenance.json").read_text())
     for part, name in ((document["log"], "back.parquet"), (document["source"]["files"][0], "run.mcap")):
         assert part == {"name": name, "sha256": hashlib.sha256((tmp_path / name).read_bytes()).hexdigest()}
     assert document["topics"]["arms"]["left"]["force"] == "on_cart"
     rows = [s["rows"] for s in document["steps"] if s["what"].startswith("rows at")]
     assert rows == [250]
     assert np.allclose(read_log(tmp_path / "back.parquet").table, read_log(csv).table, atol=1e-8)
+
+
+def test_logs_of_one_name_keep_their_provenance(capsys, tmp_path, csv):
+    """That of run.mcap had taken the place of run.parquet's."""
+    (tmp_path / "new").mkdir()
+    outs = [tmp_path / "new" / f"run.{kind}" for kind in ("csv", "parquet", "mcap")]
+    told = [run(capsys, "convert", csv, "--out", out, "--json").json["provenance"] for out in outs]
+    assert [json.loads(Path(one).read_text(encoding="utf-8"))["log"]["name"] for one in told] == [p.name for p in outs]
 
 
 def test_from_a_bag_to_a_map_to_a_log(capsys, tmp_path):
@@ -143,7 +152,7 @@ def test_salvage_is_asked_for(capsys, tmp_path):
     assert answer.status == 0
     assert "lost: " in answer.err
     assert answer.json["lost"]
-    assert json.loads((tmp_path / "run.provenance.json").read_text())["lost"] == answer.json["lost"]
+    assert json.loads((tmp_path / "run.csv.provenance.json").read_text())["lost"] == answer.json["lost"]
     assert 50 < len(read_log(out)) < 100
 
 

@@ -66,7 +66,7 @@ def test_nothing_that_is_read_is_written_over(capsys, table, name):
 
 def test_provenance_has_the_sums_of_all(capsys, table):
     assert run(capsys, "convert", table, "--out", table.with_name("out.csv")).status == 0
-    told = json.loads(table.with_name("out.provenance.json").read_text(encoding="utf-8"))["source"]
+    told = json.loads(table.with_name("out.csv.provenance.json").read_text(encoding="utf-8"))["source"]
     read = [table, table.with_name("mine.csv.topics.yaml"), table.with_name("hands") / "both.csv"]
     assert told["name"] == "mine.csv"
     assert told["files"] == [{"name": p.name, "sha256": hashlib.sha256(p.read_bytes()).hexdigest()} for p in read]

@@ -69,7 +69,7 @@ def test_from_a_table_to_a_map_to_a_log(capsys, table, push):
     columns = dict(zip(HEADER, push.T, strict=True))
     assert np.allclose(log.pose, np.column_stack([columns[k] for k in ("x", "y", "theta")]), atol=1e-9)
     assert np.allclose(log.arms["left"].wrench[:, [0, 1, 5]], push[:, [10, 11, 15]], atol=1e-9)
-    document = json.loads(table.with_name("run.provenance.json").read_text())
+    document = json.loads(table.with_name("run.csv.provenance.json").read_text())
     assert document["topics"]["pose"]["x"]["unit"] == "mm"
     assert any("x [mm] mm" in str(step.values()) for step in document["steps"])
 
