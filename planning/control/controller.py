@@ -168,7 +168,7 @@ class Controller:
             whole = self._planner
             check_kind("controller: planner", whole, WrenchPlanner, "or give regrasp=None")
             assert isinstance(whole, WrenchPlanner)
-            self._regrasps = Regrasps(whole, self._arms, regrasp, drift)
+            self._regrasps = Regrasps(whole, self._arms, regrasp, drift, choosing.min_hand_distance)
         self._held: Mapping[str, Array] = checked_contacts(held, self._arms)
         self._last: Step | None = None
         self._first: Estimate | None = None

@@ -24,6 +24,7 @@ from cartgrasp.roles import Plan as AnyPlan
 from cartgrasp.roles import ReferencePath
 from cartgrasp.simulation.integrate import held
 
+from ..contacts.contact_regions import DISTANCE_TOLERANCE
 from ..limits import WrenchRate
 from ..limits.wrench_rate import towards
 from ..plan import RELAXED, Plan
@@ -70,8 +71,11 @@ class Ahead(NamedTuple):
 class Regrasps:
     """The hands of some arms, from tick to tick, and what they give."""
 
-    def __init__(self, planner: WrenchPlanner, arms: Sequence[Arm], times: RegraspTimes, drift: float) -> None:
-        self._planner, self._times, self._drift = planner, times, drift
+    def __init__(
+        self, planner: WrenchPlanner, arms: Sequence[Arm], times: RegraspTimes, drift: float, apart: float = 0.0
+    ) -> None:
+        """Hands stay so many m `apart`."""
+        self._planner, self._times, self._drift, self._apart = planner, times, drift, apart
         names = [arm.name for arm in arms]
         self._arms = {arm.name: arm for arm in arms}
         self._yaws = {arm.name: arm.yaw for arm in arms}
@@ -204,12 +208,23 @@ class Regrasps:
             return why
         if idle := sorted(self._idle - {name}):
             return f"{', '.join(idle)} gives little of what it is told"
+        for other in self._beside(name):
+            if self._come_too_near(name, target, other):
+                return f"it would come nearer than {self._apart:g} m to {other}"
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
             lasting = self._times.lasting(distance)
             return _why_others_cannot(self._in_time[name], self._beside(name), ahead, lasting)
         lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
         return _why_cart_cannot_coast(ahead, lasting, self._drift)
+
+    def _come_too_near(self, name: str, target: Point, other: str) -> bool:
+        """Whether a hand does at its target, or on its straight way there, where it isn't so near already."""
+        start, there = self.hands[name].point, self.hands[other].point
+        way, off = np.subtract(target, start), np.subtract(there, start)
+        passed = start + way * np.clip(way @ off / (way @ way), 0.0, 1.0)
+        on_its_way = math.dist(passed, there) < min(self._apart, math.dist(start, there)) - DISTANCE_TOLERANCE
+        return on_its_way or math.dist(target, there) < self._apart - DISTANCE_TOLERANCE
 
 
 def _why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:

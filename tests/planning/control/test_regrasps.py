@@ -15,6 +15,7 @@ from cartgrasp.roles import ContactChoice
 from cartgrasp.studies.shopping_cart import WHEELS
 from estimation import CartFilter, FilterNoise
 from planning import Caution, Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause, straight
+from planning.contact_sources.choosing import Choosing
 from planning.control.hand import Phase, RegraspTimes
 from planning.control.regrasps import Ahead, Regrasps
 from planning.references import speed_change, turn
@@ -203,6 +204,29 @@ def test_no_hand_leaves_the_cart_to_an_arm_that_gives_little(hands):
         hands.go_on(0.01)
     hands.send(AWAY, still([5.0, 0.0, 0.0]), 5.0)
     assert hands.hands["left"].phase is not Phase.HOLDS
+
+
+def test_no_hand_goes_where_another_holds_nor_past_it():
+    """Hands go one by one: one that is to hold where another does waits until that is gone, or for good."""
+    here, there, beyond = (-0.25, 0.2, 1.0), (-0.25, -0.2, 1.0), (-0.25, -0.5, 1.0)
+    held = [cg.Arm(name, [here, there, beyond]) for name in ("left", "right")]
+    made = Regrasps(WrenchPlanner(CART, held, relax=np.inf), held, RegraspTimes(), 0.05, 0.3)
+    for left, right, leaves in ((there, here, None), (beyond, there, None), (there, beyond, "right")):
+        made.begin({"left": np.array(here), "right": np.array(there)})
+        made.send({"left": np.array(left), "right": np.array(right)}, still([1.0, 0.0, 0.0]), 0.0)
+        assert made.busy == leaves
+        assert made.kept["left"] == "it would come nearer than 0.3 m to right"
+
+
+def test_hands_of_a_controller_stay_apart_while_they_change_places():
+    points = [(-0.25, y, 1.0) for y in (0.3, 0.1, -0.1, -0.3)]
+    held = [cg.Arm("left", points[:3]), cg.Arm("right", points[1:][::-1])]
+    choosing = Choosing(every=0.5, min_hand_distance=0.15)
+    controller = Controller(CART, held, CURVES, contacts="periodic", choosing=choosing, caution=None)
+    steps = [tick.step for tick in ticks(controller, CART, CURVES.duration)]
+    apart = [np.linalg.norm(step.contacts["left"] - step.contacts["right"]) for step in steps]
+    assert min(apart) >= 0.15 - 1e-9
+    assert max(apart) > 0.5
 
 
 def scripted(reference=BRAKES):
