@@ -196,7 +196,7 @@ class DisturbedLearning:
             judge = (self._open or self._careful).learner
             may_be_load = judge.hypotheses is not None and judge.hypotheses.may_be_load
             if judge.last_load_change < since and (self._kept_back < since or may_be_load):
-                judge.note_load_change()
+                judge.note_load_change(since - MAX_ROW_DELAY)
                 self._go_on_with_open()
         self._undecided_since = sample.time
 

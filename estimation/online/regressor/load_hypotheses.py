@@ -91,10 +91,11 @@ class ChangeHypothesis(NamedTuple):
 # Many methods: questions to the same few probabilities, of three lines each, as its callers ask them.
 @dataclass(frozen=True)
 class LoadHypotheses:
-    """All beliefs, and the innovation of the last row under the likeliest; how many rows there were, blocks in which
-    the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual
+    """All beliefs since a `time` (s), and the innovation of the last row under the likeliest; how many rows there were,
+    blocks in which the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual
     pushes."""
 
+    time: float
     pushed: PushHypothesis
     changed: tuple[ChangeHypothesis, ...]
     usual: Array
@@ -297,4 +298,4 @@ class HypothesesStart:
             if added.any():
                 changed.append(ChangeHypothesis(self.pushed.belief.copy(), is_load))
                 changed[-1].belief.open(added)
-        return replace(self, hypotheses=LoadHypotheses(self.pushed, tuple(changed), self.usual, innovation))
+        return replace(self, hypotheses=LoadHypotheses(self.time, self.pushed, tuple(changed), self.usual, innovation))

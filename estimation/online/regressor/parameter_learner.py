@@ -342,16 +342,16 @@ class ParameterLearner:
             self._belief, self.hypotheses = self.hypotheses.pushed.belief.copy(), None
             self._conclude()
 
-    def note_load_change(self) -> None:
-        """Somebody else found another load: that is believed, if it was thought of; else what was learned of the body
-        counts as little as after one of its own."""
+    def note_load_change(self, since: float) -> None:
+        """Somebody else found another load, no earlier than some s: that is believed, if it was thought of since; else
+        what was learned of the body counts as little as after one of its own."""
         self._finish()
-        if self.hypotheses is not None:
-            self._belief, self.hypotheses = self.hypotheses.if_loaded, None
+        if self.hypotheses is not None and self.hypotheses.time > since:
+            self._belief = self.hypotheses.if_loaded
         else:
             root = self._root_of_load
             self._belief.open(root @ root.T)
-        self._taken = ()
+        self.hypotheses, self._taken = None, ()
         self.last_decision = self.last_load_change = self.time
         self._load_monitor.note_load_change(self.time)
         self._conclude()

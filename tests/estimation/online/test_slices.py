@@ -1,4 +1,5 @@
-"""A row that is worked out in slices, as in fast loops, teaches what it teaches at once: a little later."""
+"""A row that is worked out in slices, as in fast loops, teaches what it teaches at once: a little later. And what
+a learner makes of a load that another one found."""
 
 from itertools import pairwise
 
@@ -40,3 +41,20 @@ def test_slices_teach_the_same_a_little_later(monkeypatch):
     later = np.array([then - first for (first, _), (then, _) in zip(at_once, sliced, strict=True)])
     assert np.median(later) == later.min() == LATER
     assert LATER < later.max() <= MOST, "no load was thought of: this test asks less than it means to"
+
+
+def test_a_load_that_another_found_is_the_one_that_was_thought_of_since():
+    """What was thought of before is another one: of the new load nothing is known then."""
+    core = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None))
+    for sample in simulate_two_hands(TRUTH, duration=16.0, change=(8.0, LOADED)).measurements():
+        core.take(sample)
+        if core.learner.hypotheses is not None and core.learner.hypotheses.rows > 8:
+            break
+    begun, loaded = core.learner.hypotheses.time, core.learner.hypotheses.if_loaded.concluded()
+    assert begun > 8.0
+    same, other = core.copy().learner, core.copy().learner
+    same.note_load_change(begun - 1.0)
+    other.note_load_change(begun + 1.0)
+    np.testing.assert_allclose(same.theta, loaded.theta, rtol=1e-9)
+    assert same.covariance[0, 0] < 0.25 * other.covariance[0, 0]
+    assert same.hypotheses is other.hypotheses is None
