@@ -92,8 +92,8 @@ class ChangeHypothesis(NamedTuple):
 @dataclass(frozen=True)
 class LoadHypotheses:
     """All beliefs since a `time` (s), and the innovation of the last row under the likeliest; how many rows there were,
-    blocks in which the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance of usual
-    pushes."""
+    blocks in which the cart stood still, and blocks without a row for whatever reason. `usual` (n, n) is the covariance
+    of usual pushes."""
 
     time: float
     pushed: PushHypothesis
