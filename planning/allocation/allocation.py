@@ -49,8 +49,8 @@ def build_allocation(
     cart_limits: Sequence[CartLimit] = (),
 ) -> QuadraticProgram:
     """minimise the objective over F (6n,) such that `Sᵀ sum G_i F_i = Sᵀ wrench_b` and every limit holds."""
-    template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    return _posed(template, contact_array(template, contacts), wrench_b, _straight(template, cart, wrench_b))
+    template, points = template_at(cart, arms, contacts, objective, cart_limits)
+    return _posed(template, points, wrench_b, _straight(template, cart, wrench_b))
 
 
 def allocate(
@@ -62,8 +62,8 @@ def allocate(
     cart_limits: Sequence[CartLimit] = (),
 ) -> Allocation:
     """`build_allocation`, solved and proven."""
-    template = AllocationTemplate.of(cart, arms, objective, cart_limits)
-    points, straight = contact_array(template, contacts), _straight(template, cart, wrench_b)
+    template, points = template_at(cart, arms, contacts, objective, cart_limits)
+    straight = _straight(template, cart, wrench_b)
     program = _posed(template, points, wrench_b, straight)
     allocation = conclude(template, points, program, QuadraticSolver().solve(program))
     if allocation.status == OPTIMAL and isinstance(objective, Lexicographic):
@@ -103,8 +103,23 @@ def conclude(
     return Allocation(NUMERICAL, {}, np.nan, (), second)
 
 
-def contact_array(template: AllocationTemplate, contacts: Mapping[str, ArrayLike]) -> Array:
-    """Contacts (n, 3) in the order of the arms."""
+def template_at(
+    cart: CartModel,
+    arms: Sequence[Arm],
+    contacts: Mapping[str, ArrayLike],
+    objective: Objective | None = None,
+    cart_limits: Sequence[CartLimit] = (),
+) -> tuple[AllocationTemplate, Array]:
+    """The arms in their postures at contacts, and these (n, 3) in the order of the arms."""
+    template = AllocationTemplate.of(cart, arms, objective, cart_limits)
+    points = _contact_array(template, contacts)
+    there = tuple(arm.at(point) for arm, point in zip(template.arms, points, strict=True))
+    if all(arm is before for arm, before in zip(there, template.arms, strict=True)):
+        return template, points
+    return AllocationTemplate.of(cart, there, objective, cart_limits), points
+
+
+def _contact_array(template: AllocationTemplate, contacts: Mapping[str, ArrayLike]) -> Array:
     if set(contacts) != set(template.names):
         raise UsageError(f"contacts of {sorted(contacts)} are given, arms are {sorted(template.names)}")
     points = np.array([np.asarray(contacts[name], dtype=float) for name in template.names])

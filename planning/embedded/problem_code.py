@@ -16,7 +16,7 @@ from cartgrasp.contacts import MAX_POSITION
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import PLANAR, Array
 from cartgrasp.model import CartModel
-from planning.allocation.allocation import contact_array
+from planning.allocation.allocation import template_at
 from planning.allocation.allocation_template import AllocationTemplate
 from planning.limits import CartLimit
 from planning.quadratic_program import QuadraticProgram
@@ -41,12 +41,11 @@ class EmbeddedProblem:
         contacts: Mapping[str, ArrayLike],
         cart_limits: Sequence[CartLimit] = (),
     ) -> Self:
-        """Limits of the cart are those of `cart` at rest."""
+        """Limits of the cart are those of `cart` at rest, and of joints those of the postures at these contacts."""
         for arm in arms:
             if np.isfinite(arm.wrench_rate).any():
                 raise UsageError(f"{arm.name}: rate: C plans don't look back; limit rates in the controller instead")
-        template = AllocationTemplate.of(cart, arms, cart_limits=cart_limits)
-        points = contact_array(template, contacts)
+        template, points = template_at(cart, arms, contacts, cart_limits=cart_limits)
         cost = template.cost(np.zeros(template.n))
         program = template.program(template.contact_rows(points), np.zeros(template.basis_b.shape[1]), cost)
         if program.cones:
@@ -108,7 +107,7 @@ def header(problem: EmbeddedProblem) -> str:
 #define CARTGRASP_ARMS {len(template.arms)}
 #define CARTGRASP_FREE {k} /* effective rows on the cart: {", ".join(template.row_names)} */
 #define CARTGRASP_CONTACT_ROWS {contact_rows} /* limits of the cart, then the effective rows */
-#define CARTGRASP_ARM_ROWS {len(program.rows) - contact_rows}
+#define CARTGRASP_FIXED_ROWS {len(program.rows) - contact_rows}
 #define CARTGRASP_MOST_ITERATIONS {MAX_OSQP_ITERATIONS} /* of OSQP in one plan */
 #define CARTGRASP_MAX_WRENCH {MAX_WRENCH:g} /* N, N m: wrenches beyond are refused */
 #define CARTGRASP_MAX_POSITION {MAX_POSITION:g} /* m from {{b}}: contacts beyond are refused */
@@ -117,7 +116,7 @@ def header(problem: EmbeddedProblem) -> str:
 enum cartgrasp_arm {{
 {names}}};
 
-extern const char *const CARTGRASP_ARM_NAMES[CARTGRASP_ARMS];
+extern const char *const CARTGRASP_NAMES[CARTGRASP_ARMS];
 
 /* What holds until a call gives other contacts: points in {{b}}, m. Yaws of {{a}} against {{b}}, rad. */
 extern const double CARTGRASP_CONTACTS_B[CARTGRASP_ARMS][3];
@@ -137,9 +136,9 @@ extern const double CARTGRASP_WEIGHTS[6 * CARTGRASP_ARMS];
 
 /* Limits of x (N, N m), then of these rows, then the equalities:
 {limits or "     (none)"}*/
-extern const double CARTGRASP_ROWS[CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS][6 * CARTGRASP_ARMS];
-extern const double CARTGRASP_LOWER[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS];
-extern const double CARTGRASP_UPPER[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS];
+extern const double CARTGRASP_ROWS[CARTGRASP_FIXED_ROWS + CARTGRASP_CONTACT_ROWS][6 * CARTGRASP_ARMS];
+extern const double CARTGRASP_LOWER[6 * CARTGRASP_ARMS + CARTGRASP_FIXED_ROWS + CARTGRASP_CONTACT_ROWS];
+extern const double CARTGRASP_UPPER[6 * CARTGRASP_ARMS + CARTGRASP_FIXED_ROWS + CARTGRASP_CONTACT_ROWS];
 
 /* Where in OSQP's constraint matrix stand the entries that contacts change. */
 extern const int CARTGRASP_CONTACT_ENTRIES[6 * CARTGRASP_ARMS * CARTGRASP_CONTACT_ROWS];
@@ -152,7 +151,7 @@ def source(problem: EmbeddedProblem) -> str:
     """`problem.c`."""
     template, program = problem.template, problem.program
     arms, n = "[CARTGRASP_ARMS]", "[6 * CARTGRASP_ARMS]"
-    entries = "[6 * CARTGRASP_ARMS + CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS]"
+    entries = "[6 * CARTGRASP_ARMS + CARTGRASP_FIXED_ROWS + CARTGRASP_CONTACT_ROWS]"
     names = ", ".join(f'"{_text(name)}"' for name in template.names)
     values = {
         f"CARTGRASP_CONTACTS_B{arms}[3]": problem.contacts,
@@ -163,14 +162,14 @@ def source(problem: EmbeddedProblem) -> str:
         f"CARTGRASP_HESSIAN{n}{n}": program.hessian,
         f"CARTGRASP_GRADIENT{n}": program.gradient,
         f"CARTGRASP_WEIGHTS{n}": template.effort_weights,
-        f"CARTGRASP_ROWS[CARTGRASP_ARM_ROWS + CARTGRASP_CONTACT_ROWS]{n}": program.rows,
+        f"CARTGRASP_ROWS[CARTGRASP_FIXED_ROWS + CARTGRASP_CONTACT_ROWS]{n}": program.rows,
         f"CARTGRASP_LOWER{entries}": program.lower,
         f"CARTGRASP_UPPER{entries}": program.upper,
     }
     parts = [f"const double {name} = {_literal(np.asarray(value).tolist())};\n" for name, value in values.items()]
     places = _literal(problem.contact_entries)
     parts.append(f"const int CARTGRASP_CONTACT_ENTRIES[6 * CARTGRASP_ARMS * CARTGRASP_CONTACT_ROWS] = {places};\n")
-    top = f'#include "problem.h"\n\n#include <math.h>\n\nconst char *const CARTGRASP_ARM_NAMES{arms} = {{{names}}};\n'
+    top = f'#include "problem.h"\n\n#include <math.h>\n\nconst char *const CARTGRASP_NAMES{arms} = {{{names}}};\n'
     return "\n".join([top, *parts])
 
 

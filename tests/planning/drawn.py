@@ -39,6 +39,15 @@ def bar(name="left", low=-0.25, high=0.25, **changes):
     return arm(name, (), segment=((-0.25, low, 1.0), (-0.25, high, 1.0)), **changes)
 
 
+class StretchedArm:
+    """Postures of one joint that bears fx: 40 N near, 20 N beyond 0.3 m from {b}'s origin."""
+
+    near, far = (JointTorques(np.eye(6)[:, :1], [0.0], [limit]) for limit in (40.0, 20.0))
+
+    def joints_at(self, contact, _yaw):
+        return self.far if abs(contact[0]) > 0.3 else self.near
+
+
 def random_cart(rng):
     return cart(int(rng.integers(0, 3)), float(rng.uniform(-0.3, 0.3)))
 

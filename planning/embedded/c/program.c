@@ -61,7 +61,7 @@ void program_set_contacts(program *p, const double contacts_b[][3], double *chan
       for (int j = 0; j < 6; j++) {
         double value = CARTGRASP_OF_ARM[arm][k][j];
         for (int i = 0; i < 6; i++) value += CARTGRASP_OF_SUM[k][i] * map[i][j];
-        p->rows[CARTGRASP_ARM_ROWS + k][6 * arm + j] = value;
+        p->rows[CARTGRASP_FIXED_ROWS + k][6 * arm + j] = value;
         *changed++ = value;
       }
     }

@@ -11,7 +11,7 @@ from cartgrasp.arms import Arm, Friction
 from cartgrasp.errors import UsageError
 from planning import WrenchPlanner, allocate, build_allocation
 
-from ..drawn import arm, bar, cart, effective_matrix, first_contacts, random_arms, random_cart
+from ..drawn import StretchedArm, arm, bar, cart, effective_matrix, first_contacts, random_arms, random_cart
 
 numbers = st.floats(-40, 40)
 TIGHT = {"rel": 1e-9, "abs": 1e-9}
@@ -41,6 +41,15 @@ def test_a_symmetric_pair_shares_alike():
         assert found.wrenches[name] == pytest.approx([25, 0, 0, 0, 0, 0], abs=1e-9)
     assert found.effort == pytest.approx(1250, rel=1e-12)
     assert found.active == ()
+
+
+def test_joints_bear_what_they_do_at_the_contact():
+    """As `WrenchPlanner` has it: 20 N at most where the arm is stretched, though the first contact is nearer."""
+    arms, far = [arm("left", [(-0.25, 0.0, 1.0), (-0.5, 0.0, 1.0)], joints=StretchedArm())], {"left": (-0.5, 0.0, 1.0)}
+    for force, status in ((19.0, "optimal"), (21.0, "infeasible")):
+        assert allocate(cart(), arms, far, (force, 0, 0)).status == status
+        assert WrenchPlanner(cart(), arms).plan((force, 0, 0), far).status == status
+        assert allocate(cart(), arms, first_contacts(arms), (force, 0, 0)).status == "optimal"
 
 
 @pytest.mark.parametrize("seed", range(20))

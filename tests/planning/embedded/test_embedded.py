@@ -16,7 +16,7 @@ from planning import WrenchPlanner
 from planning.embedded import EmbeddedProblem, export_c
 from planning.limits import InternalForce, Skid, TipOver
 
-from ..drawn import arm, cart, first_contacts, random_arms, random_cart, support
+from ..drawn import StretchedArm, arm, cart, first_contacts, random_arms, random_cart, support
 
 OURS = ("active_set", "main", "problem", "program", "proof", "wrench_planner")
 JOINTS = JointTorques(np.linspace(-1, 1, 18).reshape(6, 3), [2.0, -3.0, 0.5], [20.0, 25.0, 30.0])
@@ -157,6 +157,19 @@ def test_what_is_too_far_or_too_strong_is_refused_as_in_python(folder):
         assert status == plan.status
         beyond = abs(line[6]) > 50 or abs(line[0]) > 1e6
         assert (status == "invalid_input") == beyond
+
+
+def test_joints_bear_what_they_do_at_the_exported_contact():
+    arms = [arm("left", [(-0.25, 0.0, 1.0), (-0.5, 0.0, 1.0)], friction=None, joints=StretchedArm())]
+    near, far = (EmbeddedProblem.of(cart(), arms, {"left": place}) for place in arms[0].contacts.points)
+    assert near.template.limits.limits.tolist() == [40.0]
+    assert far.template.limits.limits.tolist() == [20.0]
+
+
+def test_arms_may_be_called_as_parts_of_the_code_are(tmp_path):
+    arms = [arm(name, [(-0.25, y, 1.0)]) for name, y in (("rows", 0.2), ("names", 0.0), ("hessian", -0.2))]
+    ((status, _),) = answers(built(cart(), arms, tmp_path / "c"), [(20.0, 0.0, 0.0)])
+    assert status == "optimal"
 
 
 def test_it_allocates_nothing(folder):
