@@ -160,21 +160,27 @@ class PathReference:
 
 
 def straight(distance: float, speed: float, acceleration: float = 0.5) -> list[Stretch]:
-    """From rest to rest along a line with steps of acceleration; a negative distance drives backward."""
+    """From rest to rest along a line with steps of acceleration; a negative distance drives backward, none
+    is no stretch."""
     distance = number("straight: distance", distance, -MAX_STRETCH_DURATION, MAX_STRETCH_DURATION, "give m")
     _check_rates("straight", speed, acceleration, ("m/s", "m/s²"))
     direction, distance = float(np.sign(distance)), abs(distance)
     ramp = min(speed / acceleration, (distance / acceleration) ** 0.5)
+    if not ramp:
+        return []
     cruise = (distance - acceleration * ramp**2) / (acceleration * ramp)
     stretches = [Stretch(ramp, direction * acceleration), Stretch(ramp, -direction * acceleration)]
     return stretches if cruise <= 1e-9 else [stretches[0], Stretch(cruise), stretches[1]]
 
 
 def turn(angle: float, yaw_rate: float, yaw_acceleration: float = 0.5) -> list[Stretch]:
-    """A curve by `angle` (rad) at the speed one has: yaw rate ramps up, holds, ramps down."""
+    """A curve by `angle` (rad) at the speed one has: yaw rate ramps up, holds, ramps down; no angle is no
+    stretch."""
     direction, angle = float(np.sign(checked_angle("turn: angle", angle))), abs(angle)
     _check_rates("turn", yaw_rate, yaw_acceleration, ("rad/s", "rad/s²"))
     ramp = min(yaw_rate / yaw_acceleration, (angle / yaw_acceleration) ** 0.5)
+    if not ramp:
+        return []
     hold = (angle - yaw_acceleration * ramp**2) / (yaw_acceleration * ramp)
     up, down = Stretch(ramp, 0.0, direction * yaw_acceleration), Stretch(ramp, 0.0, -direction * yaw_acceleration)
     return [up, down] if hold <= 1e-9 else [up, Stretch(hold), down]

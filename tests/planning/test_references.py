@@ -62,6 +62,10 @@ def test_straight_goes_the_distance(distance, speed, acceleration):
     assert np.abs(speeds).max() <= speed + 1e-9
 
 
+def test_no_way_and_no_angle_are_no_stretch():
+    assert chain(straight(0.0, 0.5), turn(0.0, 0.4), straight(2.0, 0.5)) == chain(straight(2.0, 0.5))
+
+
 @given(st.floats(-3, 3).filter(lambda a: abs(a) > 0.02), st.floats(0.1, 0.8), st.floats(0.2, 1.0))
 def test_turn_turns_by_the_angle(angle, rate, acceleration):
     path = PathReference(chain(speed_change(0.5), turn(angle, rate, acceleration), speed_change(-0.5)))
