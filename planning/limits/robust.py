@@ -167,7 +167,7 @@ def _sides(
         of=of,
         sign=np.repeat([-1.0, 1.0], [len(low), len(high)])[:, None],
         among_both=np.concatenate([low, k + high]),
-        quantile=NormalDist().inv_cdf(1.0 - (1.0 - confidence) / max(n_sides, 1)),
+        quantile=-NormalDist().inv_cdf((1.0 - confidence) / max(n_sides, 1)),
         left=left,
         free=np.full(n_sides * (1 + r), np.inf),
         names=tuple(found),

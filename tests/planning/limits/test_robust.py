@@ -253,6 +253,14 @@ def test_root(rank, seed):
     assert found @ found.T == pytest.approx(factor @ factor.T, abs=1e-9 * scale.max() ** 2)
 
 
+def test_the_largest_confidence_has_a_margin():
+    largest = np.nextafter(1.0, 0.0)
+    found = RobustLimits((SideForce(50.0),), largest).rows(PushedCart(cart(), REST, hands()), covariance())
+    less = RobustLimits((SideForce(50.0),), 1 - 1e-12).rows(PushedCart(cart(), REST, hands()), covariance())
+    assert np.isfinite(found.of_sum).all()
+    assert (np.abs(found.of_sum) >= np.abs(less.of_sum)).all()
+
+
 @pytest.mark.parametrize("wrong", [0.4, 1.0, np.nan, -1])
 def test_confidence_that_is_none(wrong):
     with pytest.raises(cg.UsageError, match="confidence"):
