@@ -35,7 +35,7 @@ def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) 
         raise refuse([*where, "contacts"], "an arm needs `contacts`, a `segment`, or both; add one")
     with refusing(refuse, *where, "contacts" if entry.contacts else "segment"):
         held = _contacts(entry)
-    friction = _friction(entry.friction, [*where, "friction", "sides"], refuse)
+    friction = _friction(entry.friction, [*where, "friction"], refuse)
     with refusing(refuse, *where, "soft_finger"):
         soft_finger = None if entry.soft_finger is None else SoftFinger(**dict(entry.soft_finger))
     joints = _bearing(entry, where, folder, refuse)
@@ -76,8 +76,10 @@ def _friction(entry: FrictionEntry | None, where: list[str | int], refuse: Refus
         return None
     sides = entry.sides
     if sides != EXACT and not (isinstance(sides, int) and not isinstance(sides, bool) and 3 <= sides <= 256):
-        raise refuse(where, f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
-    return Friction(entry.mu, sides)
+        raise refuse([*where, "sides"], f"{sides!r} is neither a whole number of 3 to 256 nor `exact`")
+    with refusing(refuse, *where, "mu"):
+        friction = Friction(entry.mu, sides)
+    return friction
 
 
 def _bearing(

@@ -11,8 +11,18 @@ from cartgrasp.yaml_file import StrictModel
 from .. import limits, objectives
 from ..limits import CartLimit
 from ..objectives.objective import Addition
+from ..planner import MAX_PERIOD
 from .class_entries import classes_in, entry_of
-from .values import LimitTriple, LimitValue, NotNegative, Positive, RateTriple, SwitchingCostValue, Triple
+from .values import (
+    LimitTriple,
+    LimitValue,
+    NotNegative,
+    Positive,
+    RateTriple,
+    SwitchingCostValue,
+    Triple,
+    WrenchValue,
+)
 
 DEFAULT_WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
 CART_LIMITS = classes_in(limits, CartLimit)  # type: ignore[type-abstract]
@@ -29,7 +39,7 @@ class RateEntry(StrictModel):
 
     force: RateTriple | None = None
     moment: RateTriple | None = None
-    last: list[float] = Field(default_factory=lambda: [0.0] * 6, min_length=6, max_length=6)
+    last: list[WrenchValue] = Field(default_factory=lambda: [0.0] * 6, min_length=6, max_length=6)
 
 
 class JointsEntry(StrictModel):
@@ -132,7 +142,7 @@ class ProblemEntry(StrictModel):
     cart_limits: CartLimitsEntry = CartLimitsEntry()
     relax: NotNegative = 0.0
     switching_cost: SwitchingCostValue = 0.0
-    period: Positive = 1e-3
+    period: Annotated[Positive, Field(le=MAX_PERIOD)] = 1e-3
     solver: str | None = None
     objective: ObjectiveEntry = ObjectiveEntry()
     motion: MotionEntry | None = None

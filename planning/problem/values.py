@@ -9,6 +9,7 @@ from pydantic import AfterValidator, Field
 from cartgrasp.checks import MAX_NUMBER
 
 from ..contacts.switching_cost import MAX_SWITCHING_COST
+from ..tick.plan_inputs import MAX_WRENCH
 
 
 def _limit(value: float) -> float:
@@ -41,4 +42,5 @@ LimitValue = Annotated[float, Field(allow_inf_nan=True), AfterValidator(_limit)]
 Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
 SwitchingCostValue = Annotated[float, AfterValidator(_switching_cost)]
+WrenchValue = Annotated[float, Field(ge=-MAX_WRENCH, le=MAX_WRENCH)]
 RateTriple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
