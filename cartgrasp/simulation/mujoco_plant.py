@@ -17,7 +17,7 @@ import mujoco
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import MAX_NUMBER, check_kind, pose, positive
+from ..checks import MAX_NUMBER, check_kind, number, pose, positive
 from ..constraints import RollingConstraints
 from ..contacts import ContactWrenches, grasp_map_spatial
 from ..effects import ForceEffect
@@ -27,7 +27,7 @@ from ..model import CartModel
 from ..motion import Motion
 from ..wheels import CASTER, FIXED
 from .mujoco_cart import WHEEL_RADIUS, MujocoCart, check_stands
-from .plant import brief_plant
+from .plant import brief_plant, headings_of
 
 TIP_OVER_TILT = np.radians(20.0)
 MAX_WHEEL_LIFT, MAX_LIFT_TIME = 0.01, 0.5
@@ -65,14 +65,14 @@ class MujocoPlant:
         self._timestep, self._time, self._yaw = timestep, 0.0, 0.0
         self._lifted = np.zeros(len(self._cart.wheels))
         self._casters = self._cart.numbered(CASTER)
-        heading = 0.0 if heading is None else heading
-        headings = np.broadcast_to(np.asarray(heading, dtype=float), len(self._casters))
+        headings = headings_of("MuJoCo plant: heading", 0.0 if heading is None else heading, len(self._casters))
         self._load()
         if self._cart.wheels:
             check_stands(self._cart.wheels, headings, self._cart.inertia_at(0.0).com)
             self._settle(headings)
         if velocity is not None:
-            self._set_velocity(cart.basis_b @ np.asarray(velocity, dtype=float), headings)
+            nu = cart.state(self._start, velocity)[cart.velocity_slice]
+            self._set_velocity(cart.basis_b @ nu, headings)
         mujoco.mj_forward(self._model, self._data)
         self._pushed = np.zeros(6)
         self._outer = EffectForces(cart, self._cart.mechanisms.outer, self._whole_motion, 0.0)
@@ -109,7 +109,8 @@ class MujocoPlant:
 
     def acceleration(self, wrenches: ContactWrenches) -> Array:
         """Rate of the free velocities (n_free,) under wrenches."""
-        self._data.ctrl[:] = _wrench_b(wrenches)
+        self._data.ctrl[:] = self._pushed = _wrench_b(wrenches)
+        self._push_from_outside()
         mujoco.mj_forward(self._model, self._data)
         if not self._cart.wheels:
             return np.array([self._data.qacc[0]])
@@ -152,6 +153,7 @@ class MujocoPlant:
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         """Pushes for `duration` (s) with wrenches that are held in {b}: they turn with the cart."""
+        number("MuJoCo plant: step: duration", duration, 0.0, MAX_NUMBER, "give s")
         self._data.ctrl[:] = self._pushed = _wrench_b(wrenches)
         stop = self._time + duration
         for instant in self._cart.mechanisms.load_times:
@@ -167,10 +169,8 @@ class MujocoPlant:
         if left:
             self._model.opt.timestep = gap / left
         while left > 0:
-            n = min(left, HEALTH_CHECK_STEPS)
-            if self._cart.mechanisms.outer:
-                n = 1
-                self._push_from_outside()
+            n = min(left, 1 if self._cart.mechanisms.outer else HEALTH_CHECK_STEPS)
+            self._push_from_outside()
             with _own_reports():
                 mujoco.mj_step(self._model, self._data, n)
             left -= n
@@ -179,9 +179,10 @@ class MujocoPlant:
         self._time = stop
 
     def _push_from_outside(self) -> None:
-        """Over the next physics step."""
-        self._data.ctrl[:] = self._pushed
-        self._data.ctrl[[*PLANAR]] += self._outer.wrench_b(self._whole_motion, self._time)
+        """Over the next physics step, where anything does."""
+        if self._cart.mechanisms.outer:
+            self._data.ctrl[:] = self._pushed
+            self._data.ctrl[[*PLANAR]] += self._outer.wrench_b(self._whole_motion, self._time)
 
     def _look_after(self, passed: float) -> None:
         """Follows the yaw over full turns; refuses a cart that tips, lifts a wheel or isn't finite."""
@@ -279,7 +280,7 @@ def _wrench_b(wrenches: ContactWrenches) -> Array:
     """Sum of the contacts' wrenches at {b}'s origin, (6,), in {b}."""
     total = np.zeros(6)
     for arm, wrench_a in wrenches.wrenches.items():
-        if not (abs(wrench_a) < mujoco.mjMAXVAL).all():
+        if not (np.abs(wrench_a) < mujoco.mjMAXVAL).all():
             raise PlantError(f"MuJoCo plant: the wrench of {arm} is not finite or beyond reason: {wrench_a}")
         position = np.asarray(wrenches.contacts[arm], dtype=float)
         total += _grasp_map(tuple(position.tolist()), float(wrenches.yaws.get(arm, 0.0))) @ wrench_a

@@ -5,7 +5,7 @@ from __future__ import annotations
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..checks import MAX_NUMBER, brief, check_kind, digits, number, pose, positive
+from ..checks import MAX_NUMBER, brief, check_kind, digits, number, pose, positive, rows
 from ..compiled_dynamics import MAX_STEP_STIFFNESS
 from ..contacts import ContactWrenches
 from ..errors import PlantError
@@ -25,6 +25,14 @@ def brief_plant(plant: Plant, cart: CartModel) -> str:
     """A `repr`."""
     pose_sb, velocity = (digits(part.tolist()) for part in plant.motion[:2])
     return brief(type(plant).__name__, cart.name, f"t = {digits(plant.time)} s", f"pose {pose_sb}", f"nu {velocity}")
+
+
+def headings_of(what: str, given: ArrayLike, n: int) -> Array:
+    """Those of n casters, of as many or of one for all."""
+    if np.ndim(given) == 0:
+        return np.full(n, number(what, given, -MAX_NUMBER, MAX_NUMBER, "give rad"))
+    found = rows(what, given, ("heading",), n)
+    return np.array([number(what, one, -MAX_NUMBER, MAX_NUMBER, "give rad") for one in found.tolist()])
 
 
 class ModelPlant:
@@ -67,7 +75,7 @@ class ModelPlant:
         self._quickness = max((effect.quickness(mass) for effect, _, _ in cart.force_effects), default=0.0)
         self._headings = [i for i, name in enumerate(cart.state_names) if name.rpartition(".")[2].startswith("heading")]
         if caster_headings is not None and self._headings:
-            self._state[self._headings] = caster_headings
+            self._state[self._headings] = headings_of("plant: caster_headings", caster_headings, len(self._headings))
 
     def __repr__(self) -> str:
         return brief_plant(self, self.cart)
@@ -95,13 +103,13 @@ class ModelPlant:
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         check_kind("plant: step", wrenches, ContactWrenches, "give plan.contact_wrenches")
-        number("plant: step: duration", duration, 0.0, cure="give s")
+        number("plant: step: duration", duration, 0.0, MAX_NUMBER, "give s")
         wrench_b, begin = wrenches.wrench_b, self._time
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)), self._stable_steps(wrench_b, duration))
-        self._state = held(self.cart, self._state, wrench_b, begin, (duration / n, n))
-        self._time = begin + duration
-        if not np.isfinite(self._state).all():
-            raise PlantError(f"the simulated cart's state is not finite at t = {self._time:.3f} s")
+        state, end = held(self.cart, self._state, wrench_b, begin, (duration / n, n)), begin + duration
+        if not np.isfinite(state).all():
+            raise PlantError(f"the simulated cart's state is not finite at t = {end:.3f} s")
+        self._state, self._time = state, end
 
     def _stable_steps(self, wrench_b: Array, duration: float) -> int:
         """The number of steps that keep smoothed Coulomb friction, which is stiff near standstill, in the integrator's

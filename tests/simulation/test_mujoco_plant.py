@@ -24,6 +24,7 @@ from cartgrasp.effects import (
     CasterRealignment,
     ForceBias,
     ForceEffect,
+    LearnedForce,
     PayloadChange,
     RollingResistance,
     ViscousDrag,
@@ -573,6 +574,37 @@ def test_motion_that_is_not_finite_is_reported_and_leaves_no_file(bad, tmp_path,
         plant.step(wrench(bad), 0.5)
     assert not os.listdir(tmp_path)
     assert capfd.readouterr() == ("", "")
+
+
+def test_what_is_refused_moves_nothing():
+    plant = MujocoPlant(shopping_cart())
+    plant.step(ContactWrenches({"arm": [5.0, 0, 0, 0, 0, 0]}, {"arm": [-0.25, 0, 1]}), 0.1)
+    time, pose = plant.time, plant.motion.pose_sb
+    for bad in (np.nan, np.inf, -1.0):
+        with pytest.raises(UsageError, match="duration"):
+            plant.step(wrench(5.0), bad)
+    assert plant.time == time
+    np.testing.assert_array_equal(plant.motion.pose_sb, pose)
+
+
+def test_beginnings_that_are_none():
+    for wrong, why in (
+        ({"velocity": [1.0]}, "velocity"),
+        ({"heading": [0.1] * 3}, "heading"),
+        ({"heading": np.nan}, "heading"),
+    ):
+        with pytest.raises(UsageError, match=why):
+            MujocoPlant(shopping_cart(), **wrong)
+
+
+def test_accelerations_hear_of_laws_from_outside():
+    law = LearnedForce("forward_force", "travelled_distance", knots=(0.0, 0.1), amplitudes=(0.0, 24.0))
+    plant = MujocoPlant(shopping_cart(law))
+    for _ in range(40):
+        told, before = plant.acceleration(wrench(12.0)), plant.motion.velocity
+        plant.step(wrench(12.0), CONTROL)
+        np.testing.assert_allclose((plant.motion.velocity - before) / CONTROL, told, atol=0.05)
+    assert told[0] > 0.75
 
 
 def test_a_timestep_must_be_positive():

@@ -5,8 +5,8 @@ import pytest
 from scipy.integrate import solve_ivp
 
 from cartgrasp.contacts import ContactWrenches
-from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
-from cartgrasp.errors import PlantError
+from cartgrasp.effects import CasterRealignment, ForceBias, RollingResistance, ViscousDrag
+from cartgrasp.errors import CartgraspError, PlantError, UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
@@ -50,6 +50,25 @@ def test_a_state_that_is_not_finite_is_an_error():
     wild = ContactWrenches({"a": np.full(6, 1e200)}, {"a": np.zeros(3)})
     with np.errstate(all="ignore"), pytest.raises(PlantError, match="not finite"):
         plant.step(wild, 5.0)
+
+
+def test_a_push_that_is_refused_moves_nothing():
+    plant = ModelPlant(CART)
+    before = plant.state
+    for bad, duration in ((np.nan, 0.1), (1e300, 0.1), (1.0, np.inf)):
+        push = ContactWrenches({"a": np.full(6, bad)}, {"a": np.zeros(3)})
+        with np.errstate(all="ignore"), pytest.raises(CartgraspError, match=r"finite|duration"):
+            plant.step(push, duration)
+    assert plant.time == 0.0
+    np.testing.assert_array_equal(plant.state, before)
+
+
+@pytest.mark.parametrize("wrong", [np.nan, (0.1, 0.2, 0.3), "left"])
+def test_caster_headings_that_are_none(wrong):
+    cart = CART.with_effect(CasterRealignment(0.3))
+    assert set(ModelPlant(cart, caster_headings=0.4).caster_headings) == {0.4}
+    with pytest.raises(UsageError, match="caster_headings"):
+        ModelPlant(cart, caster_headings=wrong)
 
 
 def test_sensors_have_the_noise_they_state_and_the_bias_they_are_given():
