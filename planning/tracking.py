@@ -15,14 +15,14 @@ With no constraint all three coordinates are held, on a rail one: the same secon
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from typing import final
 
 import numpy as np
 
 from cartgrasp.checks import MAX_NUMBER, number, positive
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, body_to_world
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion, Reference
 
@@ -78,13 +78,15 @@ class DirectTracker:
     as_it_is: bool = False
 
     def wrench_b(self, reference: Reference, motion: Motion, model: CartModel) -> Array:
-        k = self.gains
+        k, to_nu = self.gains, model.rolling.free_velocity
         error = np.array(error_b(reference.pose_sb, motion.pose_sb, 0.0))
-        rate = reference.velocity - motion.velocity
-        error, error_rate = _saturated(error, model.basis_b @ rate, k.reach)
-        position, position_rate = model.rolling.free_velocity(error), model.rolling.free_velocity(error_rate)
-        acceleration = reference.acceleration + k.along * position_rate + k.velocity * (rate + k.along * position)
-        return _wrench(model, reference, motion, acceleration, self.as_it_is)
+        turned = body_to_world(error[2]) @ model.basis_b  # the reference's nu in {b} of the cart
+        velocity, wanted = model.basis_b @ motion.velocity, turned @ reference.velocity
+        rate, acceleration = wanted - velocity, turned @ reference.acceleration
+        acceleration = acceleration + rate[2] * _across(wanted)
+        error, error_rate = _saturated(error, rate - velocity[2] * _across(error), k.reach)
+        acceleration = acceleration + k.along * error_rate + k.velocity * (rate + k.along * error)
+        return _wrench(model, replace(reference, velocity=to_nu(wanted)), motion, to_nu(acceleration), self.as_it_is)
 
 
 def build_tracker(
@@ -101,6 +103,11 @@ def wrench_as_it_moves(model: CartModel, motion: Motion, acceleration: Array, ti
     if motion.memory is not None:
         state[model.memory_slice] = motion.memory
     return model.planar_wrench(model.required_wrench(state, acceleration, time=time))
+
+
+def _across(vector: Array) -> Array:
+    """A planar vector (3,) a quarter turn on, without its part about z."""
+    return np.array([-vector[1], vector[0], 0.0])
 
 
 def _saturated(error: Array, rate: Array, reach: float) -> tuple[Array, Array]:

@@ -63,6 +63,14 @@ def test_no_error_grows_from_none(kind):
     assert np.abs(follow(constraints, (0, 0, 0), angle)).max() < 4e-4 / Gains().velocity
 
 
+@pytest.mark.parametrize("heading", [0.8, -2.5])
+def test_a_heading_alone_leads_no_cart_on_casters_astray(heading):
+    """The reference's velocity is turned from its own axes into the cart's: they were 0.11 and 0.6 m away."""
+    errors = follow(RollingConstraints(None), (0.0, 0.0, heading), 0.8, step=0.02)
+    assert np.hypot(*errors[:, :2].T).max() < 6e-3
+    assert abs(errors[-1, 2]) < 2e-3
+
+
 @pytest.mark.long
 def test_steady_error_of_a_wrong_mass_is_the_closed_form():
     """Accelerating at a with mass m believed m_b: m (a + k_v k_x e) = m_b (a + ...): e = (m - m_b) a / (m_b k_x k_v)
