@@ -91,6 +91,13 @@ def test_sensors_have_the_noise_they_state_and_the_bias_they_are_given():
     np.testing.assert_allclose(left.std(axis=0), [1.5] * 3 + [0.2] * 3, rtol=0.05)
 
 
+def test_samples_that_nobody_asked_for_in_time_are_not_made_up_for():
+    sensors, motion = Sensors(CART, SensorNoise(pose_period=0.1)), Motion(np.zeros(3), np.zeros(2))
+    times = [*np.arange(5.0, 5.3, 0.01), *np.arange(7.03, 7.3, 0.01)]
+    told = [time for time in times if sensors.motion(time, motion).pose is not None]
+    assert told == pytest.approx([5.0, 5.1, 5.2, 7.03, 7.1, 7.2])
+
+
 def test_sample_times_and_seeds():
     noise = SensorNoise(pose_period=0.05, velocity_period=None, wrench_period=0.02)
     motion = Motion(np.zeros(3), np.zeros(2))
