@@ -310,6 +310,9 @@ REFUSED = (
     ("duration: 0.4", "path: [{duration: 1, acceleration: 1}]", "closed_loop.path: reference: ends with u = 1"),
     ("duration: 0.4", "period: 1.0e-9", "study.yaml:6:3: closed_loop.period: a run of 1.91e+10 periods"),
     ("duration: 0.4", "period: 100", "study.yaml:6:3: closed_loop.period: a run of 0.191 periods"),
+    ("duration: 0.4", "period: 0.6", "study.yaml:6:3: closed_loop.period: period: 0.6 is not a number from 0 to 0.5"),
+    ("duration: 0.4", "gains: {along: 1.0e+13}", "study.yaml:6:3: closed_loop.gains: gains: along"),
+    ("duration: 0.4", "switching: {every: 4000}", "study.yaml:6:15: closed_loop.switching.every: choosing: every"),
     ("duration: 0.4", "duration: 0.001", "study.yaml:6:3: closed_loop.duration: a run of 0.1 periods"),
     ("duration: 0.4", "duration: 1.0e+9", "study.yaml:6:3: closed_loop.duration: a run of 1e+11 periods"),
     (

@@ -11,6 +11,7 @@ from ruamel.yaml.comments import CommentedMap
 from estimation import FilterNoise, Prior
 from planning import Caution, Choosing, RegraspTimes
 from planning.contact_sources.strategies import LEAST_EFFORT, PERIODIC
+from planning.planner import MAX_PERIOD
 from planning.problem.problem_arms import arms_of
 from planning.problem.problem_limits import cart_limits_of
 from planning.problem.refusing import refusing
@@ -19,6 +20,7 @@ from planning.tracking import Gains
 
 from ...arms import Arm
 from ...cart_file import cart_from_document, load_cart
+from ...checks import positive
 from ...errors import FileError, UsageError
 from ...information import WrenchNoise
 from ...model import CartModel
@@ -102,6 +104,8 @@ class _StudyFile:
         self._check_steps(loop, total_duration(stretches))
         arms = tuple(arms_of(loop.arms, ["closed_loop", "arms"], self.folder, self.refuse))
         parts = self._guards(loop, guess, arms) | self._contacts(loop, noise)
+        with refusing(self.refuse, "closed_loop", "gains"):
+            gains = Gains(**vars(FIRM_GAINS) | loop.gains.model_dump(exclude_none=True))
         try:
             scenario = Scenario(
                 truth=truth,
@@ -113,7 +117,7 @@ class _StudyFile:
                 known=known,
                 estimation=ESTIMATIONS[loop.estimation],
                 plant=loop.plant,
-                gains=Gains(**vars(FIRM_GAINS) | loop.gains.model_dump(exclude_none=True)),
+                gains=gains,
                 period=loop.period,
                 plant_timestep=loop.plant_timestep,
                 duration=loop.duration,
@@ -152,7 +156,8 @@ class _StudyFile:
             if loop.switching is None:
                 return {}
             way = LEAST_EFFORT if loop.switching.least_effort else PERIODIC
-            return {"contacts": way, "choosing": Choosing(every=loop.switching.every)}
+            with refusing(self.refuse, "closed_loop", "switching", "every"):
+                return {"contacts": way, "choosing": Choosing(every=loop.switching.every)}
         if loop.switching is not None:
             raise self.refuse(["closed_loop", "switching"], "stands beside `contacts`; write one of them")
         sensed = WrenchNoise(noise.force, noise.moment, 1.0 / loop.period)
@@ -171,6 +176,8 @@ class _StudyFile:
             keys = [key for key in ("period", "duration", "path") if key in loop.model_fields_set]
             why = f"a run of {steps:.3g} periods of control; 2 to {MAX_CONTROL_STEPS:,} can be"
             raise self.refuse(["closed_loop", *keys[:1]], why)
+        with refusing(self.refuse, "closed_loop", "period"):
+            positive("period", loop.period, MAX_PERIOD, "give s")
         if loop.plant_timestep is not None and loop.period / loop.plant_timestep > MAX_PLANT_SUBSTEPS:
             why = f"is below a {MAX_PLANT_SUBSTEPS:,}th of the control period of {loop.period:g} s; give a longer one"
             raise self.refuse(["closed_loop", "plant_timestep"], why)
