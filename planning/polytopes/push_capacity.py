@@ -20,6 +20,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 
+from ..allocation.allocation_template import AllocationTemplate
 from .wrench_polytope import WrenchPolytope, maximizer
 
 
@@ -33,7 +34,7 @@ class PushCapacity:
 
 def push_capacity(cart: CartModel, arms: Sequence[Arm], wrench_b: ArrayLike) -> PushCapacity:
     """The largest multiple of `wrench_b`, (fx, fy, tau) on the cart, with each arm at its first contact."""
-    wrench = np.asarray(wrench_b, dtype=float)
+    arms, wrench = AllocationTemplate.of(cart, arms).arms, np.asarray(wrench_b, dtype=float)
     if wrench.shape != (3,) or not np.isfinite(wrench).all() or not (cart.basis_b.T @ wrench).any():
         raise UsageError(f"wrench_b: {wrench.tolist()} is no finite wrench (fx, fy, tau) that moves this cart")
     maps = np.hstack([grasp_map_planar(arm.contacts.first, arm.yaw) for arm in arms])

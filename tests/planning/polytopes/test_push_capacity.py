@@ -69,6 +69,12 @@ def test_a_wrench_that_moves_nothing_is_refused(wrench):
         push_capacity(CART, ARMS, wrench)
 
 
+@pytest.mark.parametrize(("arms", "words"), [((), "none given"), (ARMS[:1] * 2, "stands twice"), (ARMS[0], "no list")])
+def test_arms_that_are_none_are_refused(arms, words):
+    with pytest.raises(UsageError, match=words):
+        push_capacity(CART, arms, (60, 0, 0))
+
+
 def test_arms_without_limits_are_refused():
     with pytest.raises(UsageError, match="nothing limits this push"):
         push_capacity(CART, [Arm("hand", [(0, 0, 1)])], (1, 0, 0))
