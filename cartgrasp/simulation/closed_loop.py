@@ -8,6 +8,8 @@ from itertools import pairwise
 
 import numpy as np
 
+from ..checks import MAX_NUMBER, number
+from ..errors import UsageError
 from ..frames import Array
 from ..logs.run_log import RunLog
 from ..motion import Estimate, Measurement, Motion, Reference
@@ -40,7 +42,10 @@ class _Row:
 def run(loop: Loop, duration: float | None = None, progress: Callable[[float], None] | None = None) -> RunRecord:
     """Runs to the end of the reference; `progress` is told the share done."""
     controller = loop.controller
-    n = round((controller.reference.duration if duration is None else duration) / controller.period)
+    lasting = controller.reference.duration if duration is None else duration
+    n = round(number("run: duration", lasting, 0.0, MAX_NUMBER, "give s") / controller.period)
+    if n < 1:
+        raise UsageError(f"run: duration: {lasting:g} s is no period of control; give at least {controller.period:g} s")
     rows = []
     for k in range(n):
         rows.append(_tick(loop))
