@@ -2,12 +2,14 @@
 
 from __future__ import annotations
 
+import math
 from collections.abc import Sequence
 from pathlib import Path
 
 import numpy as np
 
 from cartgrasp.arms import Arm
+from cartgrasp.checks import numbers
 from cartgrasp.contacts import ContactSet, Segment
 from cartgrasp.errors import UsageError
 from cartgrasp.friction import EXACT, Friction, SoftFinger
@@ -111,10 +113,11 @@ def _joints(entry: JointsEntry | None, where: list[str | int], refuse: Refuse) -
 def _postures(entry: UrdfEntry, folder: Path) -> PostureSource:
     from cartgrasp.spatial_pose import SpatialPose
     from cartgrasp.urdf_arm import LEVEL_GRAVITY, LinkMass, read_urdf_arm  # Pinocchio
-    from cartgrasp.urdf_postures import UrdfPostures
+    from cartgrasp.urdf_postures import ROLL_PITCH_YAW_FORM, UrdfPostures
 
     masses = [LinkMass(one.link, one.mass, (one.centre[0], one.centre[1], one.centre[2])) for one in entry.added_masses]
     arm = read_urdf_arm(folder / entry.file, entry.tool, torque_limit=entry.torque_limit, added_masses=masses)
     gravity = LEVEL_GRAVITY if entry.feels_gravity else (0.0, 0.0, 0.0)
-    arm = arm.placed(SpatialPose.of(entry.base, *entry.base_turned), gravity)
+    turned = numbers("base_turned", entry.base_turned, ROLL_PITCH_YAW_FORM, -math.tau, math.tau)
+    arm = arm.placed(SpatialPose.of(entry.base, *turned), gravity)
     return UrdfPostures(arm, entry.hand_turned, entry.start)

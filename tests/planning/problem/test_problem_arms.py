@@ -80,6 +80,11 @@ def test_weight_is_left_out_or_added(tmp_path, robot):
         ("robots/arm.urdf", "robots/none.urdf", "problem.yaml:7:5: arms.0.urdf: .*none.urdf: can't be read"),
         ("tool: tool0", "tool: tool1", "problem.yaml:7:5: arms.0.urdf: .*no link is called 'tool1'"),
         ("[-0.7, 0.2, 0.3]", "[-3.7, 0.2, 0.3]", "problem.yaml:4:5: arms.0.name: arm left: no posture was found"),
+        (
+            "      tool: tool0\n",
+            "      tool: tool0\n      base_turned: [0, 0, 90]\n",
+            "arms.0.urdf: base_turned: .*rad: 90 is not",
+        ),
         ("[60, 60,", "[60, -60,", "arms.0.urdf.torque_limit.1: -60 is not > 0"),
         ("      tool: tool0\n", "", "arms.0.urdf.tool: is missing"),
         ("    urdf:", f"    joints: {JOINTS}\n    urdf:", "arms.0.urdf: stands beside `joints`"),
