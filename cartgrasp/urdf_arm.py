@@ -20,6 +20,7 @@ from typing import Any, NamedTuple
 import numpy as np
 from numpy.typing import ArrayLike
 
+from .checks import check_kind, listed
 from .errors import FileError, Place, UsageError
 from .frames import Array, rotation_z
 from .joint_torques import JointTorques
@@ -57,6 +58,7 @@ class UrdfArm:
     def placed(self, pose_br: SpatialPose, gravity_b: Sequence[float] = LEVEL_GRAVITY) -> UrdfArm:
         """This arm with its root elsewhere in {b}; gravity, m/s², is not along z where the floor slopes, and (0, 0, 0)
         leaves it out."""
+        check_kind(f"{self.file}: pose_br", pose_br, SpatialPose, "write SpatialPose.of((x, y, z))")
         return replace(self, pose_br=pose_br, gravity_b=_gravity(self.file, gravity_b))
 
     @cached_property
@@ -117,7 +119,7 @@ def read_urdf_arm(
     URDF's efforts, and is needed where these are 0."""
     file = str(path)
     model = _reduced(_parsed(file), tool, file)
-    for added in added_masses:
+    for added in listed(f"{file}: added_masses", added_masses, LinkMass, "write [LinkMass(link, mass, centre)]"):
         _add_mass(model, added, file)
     joints = tuple(model.names)[1:]
     lower, upper = np.array(model.lowerPositionLimit), np.array(model.upperPositionLimit)

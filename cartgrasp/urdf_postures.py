@@ -12,7 +12,7 @@ from collections.abc import Sequence
 from numpy.typing import ArrayLike
 
 from .arm_postures import Posture, find_posture
-from .checks import digits, numbers
+from .checks import check_kind, digits, numbers
 from .errors import UsageError
 from .joint_torques import JointTorques, Point
 from .spatial_pose import SpatialPose
@@ -37,6 +37,7 @@ class UrdfPostures:
     """
 
     def __init__(self, arm: UrdfArm, hand: Sequence[float] = (0.0, 0.0, 0.0), start: ArrayLike | None = None) -> None:
+        check_kind("urdf postures: arm", arm, UrdfArm, 'read it first: read_urdf_arm("arm.urdf", "tool")')
         self._hand = numbers("urdf postures: hand", hand, ROLL_PITCH_YAW_FORM, -math.tau, math.tau)
         self._arm, self._start = arm, None if start is None else arm.checked(start)
         self._here: dict[Point, Posture] = {}

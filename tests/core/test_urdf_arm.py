@@ -168,6 +168,7 @@ def test_gravity_may_be_left_out_but_not_by_oversight(tmp_path: Path):
         (("", ""), {"added_masses": [LinkMass("fore", -1, (0, 0, 0))]}, "needs a finite mass >= 0"),
         (("", ""), {"added_masses": [LinkMass("fore", 1, (0, np.nan, 0))]}, "needs a finite mass >= 0"),
         (("", ""), {"added_masses": [LinkMass("fore", 1, (0, 0))]}, "needs a finite mass >= 0"),
+        (("", ""), {"added_masses": [("fore", 1, (0, 0, 0))]}, r"added_masses: \('fore'.* is no LinkMass"),
         (('name="elbow" type="revolute"', 'name="elbow" type="continuous"'), {}, "joint elbow: give it limits"),
         (('name="elbow" type="revolute"', 'name="elbow" type="floating"'), {}, "joint elbow: give it limits"),
         (('lower="-3" upper="3"', 'lower="3" upper="-3"'), {}, "joint shoulder: no range: lower 3, upper -3"),
@@ -183,6 +184,11 @@ def test_what_cannot_be_meant_is_refused(change, arguments, words, tmp_path: Pat
     path = written(tmp_path, PLANAR.replace(*change) if change[0] else PLANAR)
     with pytest.raises(UsageError, match=words):
         read_urdf_arm(path, **{"tool": "tool", **arguments})
+
+
+def test_a_place_is_a_pose(tmp_path: Path):
+    with pytest.raises(UsageError, match=r"pose_br: \(1, 2, 3\) is no SpatialPose"):
+        read_urdf_arm(written(tmp_path), "tool").placed((1, 2, 3))
 
 
 @pytest.mark.parametrize("gravity", [(0, 0), (0, 0, np.inf), (0, np.nan, 0)])

@@ -78,3 +78,8 @@ def test_where_no_posture_was_found_it_says_how_near_one_comes(arm, contact):
 def test_a_hand_is_three_angles(arm, given, words):
     with pytest.raises(UsageError, match=words):
         UrdfPostures(arm, given)
+
+
+def test_postures_are_of_an_arm_that_was_read():
+    with pytest.raises(UsageError, match=r"urdf postures: arm: 'arm\.urdf' is no UrdfArm"):
+        UrdfPostures("arm.urdf")
