@@ -103,7 +103,8 @@ class ModelPlant:
 
     def step(self, wrenches: ContactWrenches, duration: float) -> None:
         check_kind("plant: step", wrenches, ContactWrenches, "give plan.contact_wrenches")
-        number("plant: step: duration", duration, 0.0, MAX_NUMBER, "give s")
+        number("plant: step: duration", duration, 0.0, cure="give s")
+        number("plant: step: duration", duration, high=MAX_NUMBER, cure="give s")
         wrench_b, begin = wrenches.wrench_b, self._time
         n = max(1, int(np.ceil(duration / self.timestep - 1e-9)), self._stable_steps(wrench_b, duration))
         state, end = held(self.cart, self._state, wrench_b, begin, (duration / n, n)), begin + duration
