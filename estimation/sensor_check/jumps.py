@@ -2,7 +2,7 @@
 
 Straight lines through the poses before a moment and through those after it miss each other there by how far the pose
 jumped. A cart that is hit changes its speed, and they meet. So a jump is where they miss each other by far more than
-noise and driving make of it, and a single step goes most of the way.
+noise, rounding and driving make of it, and a single step goes most of the way.
 """
 
 from __future__ import annotations
@@ -15,7 +15,8 @@ from scipy.ndimage import maximum_filter1d
 from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
-from .repeated_rows import without_repeated_rows
+from ..log_noise.resolution import resolution
+from .repeated_rows import MIN_LEAP_RATIO, without_repeated_rows
 from .suspicion import Suspicion
 
 JUMP_LINE_INTERVAL, MIN_JUMP_LINE_ROWS = 0.1, 4
@@ -74,7 +75,8 @@ def _jumped(time: Array, track: Array, hardest: float) -> tuple[Array, Array]:
     even = time[at + rows] - time[at + 1 - rows] < MAX_EVEN_SPAN_RATIO * (2 * rows - 1) * period
     step = _beside(np.diff(track, axis=0), np.diff(time))[at]
     usual = float(np.quantile(missed[even], USUAL_MISS_QUANTILE)) if even.any() else math.inf
-    is_far = missed > max(JUMP_MISS_RATIO * usual, hardest * period)
+    coarse = MIN_LEAP_RATIO * float(np.linalg.norm([resolution(column) for column in track.T]))
+    is_far = missed > max(JUMP_MISS_RATIO * usual, hardest * period, coarse)
     is_one = (step > JUMP_STEP_RATIOS[0] * missed) & (step < JUMP_STEP_RATIOS[1] * missed)
     peak = missed == maximum_filter1d(missed, 2 * rows + 1, mode="constant", cval=-math.inf)
     own = np.flatnonzero(even & is_far & is_one & peak)

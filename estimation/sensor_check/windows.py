@@ -18,6 +18,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 
 from ..weak_form.splines import SPLINE_DEGREE, SplineBasis
+from .jumps import jump_times
 
 WINDOW_WIDTH = 0.8
 """s, of a window; starts and stops of carts take about as long."""
@@ -32,7 +33,8 @@ MIN_WINDOWS, MAX_WINDOWS = 8, 10_000_000
 
 @dataclass(frozen=True)
 class Track:
-    """Times (n,), places (n,) and headings (n,), unwrapped, of a log's rows that have a whole pose."""
+    """Times (n,), places (n,) and headings (n,), unwrapped, of a log's rows that have a whole pose. Where poses jump
+    there is a hole: no way leads across."""
 
     time: Array
     x: Array
@@ -43,6 +45,8 @@ class Track:
     def of(cls, log: RunLog, factor: float = 1.0) -> Track:
         """The track of a log, with headings times a factor."""
         there = np.isfinite(log.pose).all(axis=1)
+        for time in jump_times(log):
+            there &= np.abs(log.time - time) > MAX_SAMPLE_INTERVAL / 2
         x, y, heading = log.pose[there].T
         return cls(log.time[there], x, y, np.unwrap(factor * heading))
 

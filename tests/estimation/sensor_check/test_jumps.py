@@ -7,7 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from cartgrasp.logs import ArmLog
+from cartgrasp.logs import ArmLog, RunLog
 from estimation.sensor_check import check_sensors
 from estimation.sensor_check.jumps import jump_times, jumps
 from estimation.weak_form.log_segments import segment_logs
@@ -72,3 +72,20 @@ def test_what_is_no_jump():
     assert jumps(replace(log, pose=lost)) == ()
     for seed in range(3):
         assert jumps(sealed("nothing", seed)[0]) == ()
+
+
+@pytest.mark.parametrize("rate", [100, 500, 1000])
+@pytest.mark.parametrize("which", [0, 2])
+def test_coarse_steps_are_no_jumps(rate, which):
+    """In a cart that rests, or goes straight, the next step of a coarse sensor was called a jump."""
+    time = np.arange(0.0, 40.0, 1.0 / rate)
+    pose = np.column_stack([2.0 - 2.0 * np.cos(0.5 * time), 0.0 * time, 0.0 * time])
+    pose[:, which] = 0.01 * np.round(0.31 + 0.9 * np.sin(0.11 * time))
+    assert jumps(RunLog(time, pose, None, {})) == ()
+
+
+def test_a_jump_is_no_way_that_the_cart_went():
+    """Before, theta was told to be in degrees, or the frame to be turned, surely."""
+    log, cart = sealed("nothing", 1)
+    moved = replace(log, pose=log.pose + np.outer(log.time > 30.0, (5.0, 2.0, 0.0)))
+    assert found(check_sensors(moved, cart)).keys() == {("jumps", "pose")}
