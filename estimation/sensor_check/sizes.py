@@ -47,12 +47,13 @@ def check_jumps(log: RunLog, noise: float) -> None:
     if len(seen) < 2:
         return
     step = np.hypot(*np.diff(log.pose[seen, :2], axis=0).T)
-    speed = np.maximum(step - POSITION_NOISE_SIGMAS * noise, 0.0) / np.diff(log.time[seen])
+    spent = np.diff(log.time[seen])
+    speed = np.maximum(step - POSITION_NOISE_SIGMAS * noise, 0.0) / spent
     if speed.max() > MAX_CART_SPEED:
         at = int(np.argmax(speed))
         raise DataError(
-            f"{log.name}: the cart jumps by {step[at]:.2f} m at t = {log.time[seen][at]:g} s; cut the log there, and "
-            "look for numbers that are not in SI units"
+            f"{log.name}: the cart jumps by {step[at]:.2g} m in {spent[at]:.2g} s at t = {log.time[seen][at]:.10g} s; "
+            "cut the log there, stamp rows when they are measured, and look for numbers that are not in SI units"
         )
 
 

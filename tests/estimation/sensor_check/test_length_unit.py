@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cartgrasp.errors import DataError
 from estimation.sensor_check import check_sensors, look_at
-from estimation.sensor_check.sizes import POSITION_UNITS, length_unit_suspicions
+from estimation.sensor_check.sizes import POSITION_UNITS, check_jumps, length_unit_suspicions
 
 from .logs import CART, on_rail, two_hands
 
@@ -45,3 +46,11 @@ def test_a_column_without_a_value_is_named(column):
     told = check_sensors(replace(log, arms={**log.arms, "left": replace(arm, **{column: values})}), CART)
     assert [(one.kind, one.where) for one in told] == [("holes", "left")]
     assert told[0].words.startswith({"wrench": "left.fy: blank", "contact": "left.py: blank"}[column])
+
+
+def test_stamps_that_come_in_bursts_are_told_as_such():
+    """They were told as a jump by 0.00 m, and to cut the log there."""
+    log = on_rail(1)
+    pairs = log.time + np.where(np.arange(len(log)) % 2 == 0, 0.00999, 0.0)
+    with pytest.raises(DataError, match=r"in 1e-05 s at t = .* stamp rows when they are measured"):
+        check_jumps(replace(log, time=pairs), 5e-6)
