@@ -138,8 +138,8 @@ def straight_rows(rows: Array, time: Array) -> np.ndarray:
 
 def frozen(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
     """A heading that nobody measured, of a cart that may turn."""
-    heading = log.pose[np.isfinite(log.pose).all(axis=1), 2]
-    if cart.constraints.no_rotation or len(heading) < 2 or np.ptp(heading) > 0.0 or np.ptp(log.pose[:, 0]) == 0.0:
+    pose = log.pose[np.isfinite(log.pose).all(axis=1)]
+    if cart.constraints.no_rotation or len(pose) < 2 or np.ptp(pose[:, 2]) > 0.0 or not np.ptp(pose, axis=0).any():
         return ()
     words = (
         "theta never changes: nobody measured it; if the cart can't turn, write `no_rotation: {}` under constraints, "
@@ -150,15 +150,15 @@ def frozen(log: RunLog, cart: CartModel) -> tuple[Suspicion, ...]:
 
 def quantised(log: RunLog) -> tuple[Suspicion, ...]:
     """Poses and velocities in coarse steps."""
-    heading = unwrapped(log.pose[:, 2])
     groups = [("pose", {"x": log.pose[:, 0], "y": log.pose[:, 1]}, "m", MIN_POSITION_NOISE)]
-    groups.append(("heading", {"theta": heading}, "rad", MIN_POSITION_NOISE))
+    groups.append(("heading", {"theta": log.pose[:, 2]}, "rad", MIN_POSITION_NOISE))
     if log.velocity is not None:
         groups.append(("velocity", {"vx": log.velocity[:, 0], "vy": log.velocity[:, 1]}, "m/s", MIN_VELOCITY_NOISE))
         groups.append(("yaw_rate", {"omega": log.velocity[:, 2]}, "rad/s", MIN_VELOCITY_NOISE))
     told = []
     for where, columns, unit, least in groups:
-        steps = {name: step for name, column in columns.items() if (step := coarse_step(column, least)) is not None}
+        found = {name: coarse_step(column, least, name == "theta") for name, column in columns.items()}
+        steps = {name: step for name, step in found.items() if step is not None}
         if steps:
             step = max(steps.values())
             words = (
@@ -169,10 +169,11 @@ def quantised(log: RunLog) -> tuple[Suspicion, ...]:
     return tuple(told)
 
 
-def coarse_step(column: Array, least: float) -> float | None:
-    """The step of a column (n,) where rounding is most of its noise, and more than the `least` that noise may be."""
-    step = step_of(column)
-    if step is None or step * ROUNDING_STD <= least or (step * ROUNDING_STD) ** 2 < 0.5 * noise_floor(column) ** 2:
+def coarse_step(column: Array, least: float, turns: bool = False) -> float | None:
+    """The step of a column (n,) where rounding is most of its noise, and more than the `least` that noise may be. Of
+    angles, which were rounded as they are written: a whole turn is no number of steps."""
+    step, noise = step_of(column), noise_floor(unwrapped(column) if turns else column)
+    if step is None or step * ROUNDING_STD <= least or (step * ROUNDING_STD) ** 2 < 0.5 * noise**2:
         return None
     return step
 

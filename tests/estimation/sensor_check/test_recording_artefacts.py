@@ -7,6 +7,7 @@ import pytest
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
+from cartgrasp.frames import wrap_angle
 from cartgrasp.logs import RunLog
 from estimation.sensor_check import check_sensors, corrected_log, look_at
 from estimation.sensor_check.recording_artefacts import interpolated, quantised, slow, step_of
@@ -54,6 +55,17 @@ def test_coarse_steps_are_told_and_fine_ones_not(step, is_told):
     if told:
         assert told[0].factor == pytest.approx(step, rel=1e-3)
         assert f"{step / np.sqrt(12):.2g}" in told[0].words
+
+
+@pytest.mark.parametrize("around", [0.0, np.pi])
+@pytest.mark.parametrize("step", [0.01, 0.02])
+def test_coarse_headings_are_told_wherever_they_are(step, around):
+    """Beyond half a turn, too: a whole one is no number of steps, and a third of the step was told, or none."""
+    log = rail_log(walk(1))
+    heading = step * np.round(wrap_angle(around + walk(2)) / step)
+    (told,) = quantised(replace(log, pose=np.column_stack([log.pose[:, :2], heading])))
+    assert told.where == "heading"
+    assert told.factor == pytest.approx(step, rel=1e-3)
 
 
 @pytest.mark.parametrize("share", [0.1, 0.5])
@@ -121,6 +133,10 @@ def test_a_heading_that_nobody_measured_is_told():
     assert "no_rotation" in told[0].words
     assert not [one for one in corrected_log(moving, RAIL).suspicions if one.where == "heading"]
     assert not [one for one in corrected_log(still, CART).suspicions if one.where == "heading"]
+    blank = replace(still, pose=np.where(still.time[:, None] < 0.1, np.nan, still.pose))
+    assert not [one for one in corrected_log(blank, CART).suspicions if one.where == "heading"]
+    along_y = replace(moving, pose=moving.pose[:, [1, 0, 2]])
+    assert [one.kind for one in corrected_log(along_y, CART).suspicions if one.where == "heading"] == ["repeated"]
 
 
 def test_slow_rows_are_told():
