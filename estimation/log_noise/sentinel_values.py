@@ -17,7 +17,7 @@ SENTINEL_SIGNIFICANDS = (9.9, 9.99, 9.999, 9.9999, 9.99999, 3.2767, 3.2768, 6.55
 """Significands of numbers that recorders write for no reading: all nines, and the largest whole numbers of two and four
 bytes."""
 MIN_SENTINEL_RATIO = 10.0
-"""Times the span of all other values: no reading is so far from them."""
+"""Times the span of all other values, or the size of the only one: no reading is so far from them."""
 MIN_SENTINEL_SIZE = 1e-3
 """SI: what is smaller is a reading, whatever its digits."""
 MIN_OTHER_VALUES = 20
@@ -34,7 +34,7 @@ def sentinels(column: Array) -> np.ndarray:
         if (
             not _is_sentinel(mark)
             or len(rest) < MIN_OTHER_VALUES
-            or not mark - np.abs(rest).max() > MIN_SENTINEL_RATIO * np.ptp(rest)
+            or not mark - (size := np.abs(rest).max()) > MIN_SENTINEL_RATIO * (np.ptp(rest) or size)
         ):
             break
         found |= sizes == mark

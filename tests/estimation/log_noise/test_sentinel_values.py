@@ -46,6 +46,15 @@ def test_a_range_that_holds_a_mark_is_no_mark(middle, share):
     assert not sentinels(column).any()
 
 
+@pytest.mark.parametrize(
+    ("others", "mark", "is_told"), [(-0.5, -0.99, False), (-0.5, -9999.0, True), (0.0, 999.0, True)]
+)
+def test_two_places_of_a_hand_are_no_mark(others, mark, is_told):
+    """A hand that went from 0.5 to 0.99 m behind the origin: all rows in which it was there had been left out."""
+    column = np.where(np.arange(4000) < 2500, others, mark)
+    assert bool(sentinels(column).any()) == is_told
+
+
 def marked_log(share=0.05, mark=-9999.0, seed=0):
     log = two_hands(seed)
     random = np.random.default_rng(seed)
