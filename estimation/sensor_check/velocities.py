@@ -22,7 +22,7 @@ from cartgrasp.logs import RunLog
 from ..log_noise.log_noise import white_noise
 from .evidence import gross_error_probability, independent_rows, reading_probabilities
 from .suspicion import REFUSAL_PROBABILITY, REPORT_PROBABILITY, Suspicion
-from .windows import MIN_WINDOWS, Sums, Track, Windows
+from .windows import MAX_SAMPLE_INTERVAL, MIN_WINDOWS, Sums, Track, Windows
 
 VELOCITY_LAG_STDS, LATE_VELOCITY_ODDS = (0.002, 0.05), 0.2
 """s by which sound velocities are late (what clocks of one machine differ by) and wrong ones (filters, buses, means
@@ -112,7 +112,8 @@ def corrected_velocities(log: RunLog) -> tuple[RunLog, tuple[Suspicion, ...]]:
         told += found
         lag = next((fit.lag for one in found if one.kind == "lag" and one.put_right), 0.0)
         gain = next((fit.gain for one in found if one.kind == "scale" and one.put_right), 1.0)
-        velocity[:, sensor.columns] = later(log.time, velocity[:, sensor.columns], lag) / gain
+        own = velocity[rates.there, sensor.columns]  # rows of slower sensors are blank in between
+        velocity[rates.there, sensor.columns] = later(rates.time, own, lag) / gain
     return replace(log, velocity=velocity), tuple(told)
 
 
@@ -282,16 +283,19 @@ def clock(rates: Rates | None) -> Clock | None:
 
 def later(time: Array, columns: Array, lag: float) -> Array:
     """What columns (n, k) say `lag` (s) later, by cubics through four rows (Catmull and Rom), which leave more of the
-    noise white than straight lines do; NaN where a row of the four is missing."""
+    noise white than straight lines do; NaN where those are too far apart."""
     if lag == 0:
         return columns
     i = np.searchsorted(time, time + lag, side="right") - 1
-    inside = (i >= 0) & (i < len(time) - 1)
     rows = np.clip(i[:, None] + np.arange(-1, 3), 0, len(time) - 1)
-    first, last = time[rows[:, 1]], time[rows[:, 2]]
-    s = np.where(inside, (time + lag - first) / np.where(inside, last - first, 1.0), 0.0)
-    weights = 0.5 * np.column_stack(
-        [-s + 2 * s**2 - s**3, 2 - 5 * s**2 + 3 * s**3, s + 4 * s**2 - 3 * s**3, -(s**2) + s**3]
+    at = time[rows].T
+    inside = (i >= 0) & (i < len(time) - 1) & (np.diff(at, axis=0).max(axis=0) <= MAX_SAMPLE_INTERVAL)
+    step = np.where(inside, at[2] - at[1], 1.0)
+    s = np.where(inside, (time + lag - at[1]) / step, 0.0)
+    first, last = (
+        slope * step / np.where(inside, far, 1.0)
+        for slope, far in ((s - 2 * s**2 + s**3, at[2] - at[0]), (s**3 - s**2, at[3] - at[1]))
     )
-    moved = np.einsum("nj,njk->nk", weights, columns[rows])
+    rise = 3 * s**2 - 2 * s**3
+    moved = np.einsum("jn,njk->nk", [-first, 1 - rise - last, rise + first, last], columns[rows])
     return np.where(inside[:, None], moved, np.nan)

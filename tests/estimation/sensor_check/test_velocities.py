@@ -95,6 +95,20 @@ def test_rows_without_velocities_stay_without():
     assert np.isfinite(right.velocity[200:900]).all()
 
 
+@pytest.mark.parametrize("every", [2, 5])
+def test_late_velocities_of_a_slower_sensor_are_kept(every):
+    """Blank in all rows between: not one was left of them, where they were put right."""
+    log = two_hands(0)
+    fresh = np.arange(len(log)) % every == 0
+    right, suspicions = corrected_velocities(
+        replace(log, velocity=np.where(fresh[:, None], late(log, 0.03).velocity, np.nan))
+    )
+    assert ("lag", "velocity") in found(suspicions)
+    seen = np.isfinite(right.velocity).all(axis=1)
+    assert fresh.sum() - 2 <= seen.sum() <= fresh.sum()
+    assert np.sqrt(((right.velocity - log.velocity)[seen] ** 2).mean()) < 2 * NOISE[1]
+
+
 def test_velocities_of_another_point_are_no_other_scale():
     """A velocity 0.3 m ahead of the tracked point differs by omega times that, which is neither late nor too large."""
     log, theta = two_hands(0, NOISE), two_hands(0).pose[:, 2]
