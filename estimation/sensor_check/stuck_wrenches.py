@@ -2,7 +2,8 @@
 
 A frozen one repeats itself, to the last bit, for longer than by chance. What its noise changes at nearly every row does
 not stay as it is. Of n rows, of which a share s repeats the one before, a run of k repeats comes by chance n sᵏ times.
-Sensors that tell no noise may tell the same for as long as they like, and a hand that holds nothing gives nothing.
+Sensors that tell no noise may tell the same for as long as they like, and a hand that holds nothing gives nothing. A
+coarse one that rests comes back to the same number again and again, and what freezes, to none.
 
 Noise keeps a sensor from telling one number twice. One that is the largest of all, and comes far more often than any
 other, is the end of its range. Rows of it are left out: taken as they are, they make the cart too light.
@@ -53,13 +54,16 @@ def frozen_wrench(wrench: Array) -> Frozen | None:
     if least is None:
         return None
     rows, taken = np.zeros(len(wrench), dtype=bool), np.zeros(len(known), dtype=bool)
-    for first, last in edges[runs >= least]:
+    edges = edges[runs >= least]
+    _, which, times = np.unique(known[edges[:, 0]], axis=0, return_inverse=True, return_counts=True)
+    edges = edges[times[which.reshape(-1)] == 1]
+    for first, last in edges:
         taken[first:last] = True
-    if taken.mean() > MAX_FROZEN_FRACTION or not tells_noise(known[~taken]):
+    if not 0.0 < taken.mean() <= MAX_FROZEN_FRACTION or not tells_noise(known[~taken]):
         return None
     rows[there[taken]] = True
-    longest = int(np.argmax(runs))
-    return Frozen(rows, int(there[edges[longest, 0]]), int(runs[longest]))
+    first, last = max(edges, key=lambda edge: int(edge[1] - edge[0]))
+    return Frozen(rows, int(there[first]), int(last - first))
 
 
 def without_frozen(arm: ArmLog) -> ArmLog:

@@ -66,3 +66,15 @@ def test_a_frozen_sensor_is_told_and_teaches_nothing(arms):
     assert [(one.kind, one.where) for one in told] == [("repeated", name) for name in arms]
     mass = identify([log], cart_of(0.7)).parameters["mass"]
     assert abs(mass.value - 24.0) < 4.0 * mass.std < 4.0
+
+
+@pytest.mark.parametrize("step", [0.1, 0.5])
+def test_a_coarse_sensor_that_rests_is_not_frozen(step):
+    """Between pushes it tells its offset, for longer than by chance; without these rows drag was told 11 % too large,
+    by 4.6 deviations."""
+    random, time = np.random.default_rng(0), 0.01 * np.arange(6000)
+    push = np.where(time % 6.0 < 3.5, 25.0 * np.sin(np.pi * (time % 6.0) / 3.5), 0.0)
+    tremor = np.where(push > 0.0, 0.6, 0.0)[:, None] * random.standard_normal((6000, 2))
+    rows = np.zeros((6000, 6))
+    rows[:, :2] = 1.3 + np.column_stack([push, 0.1 * push]) + tremor + 0.02 * random.standard_normal((6000, 2))
+    assert frozen_wrench(step * np.round(rows / step)) is None
