@@ -47,7 +47,7 @@ def check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartMod
 def check_period(planner: Planner, period: float) -> None:
     """A planner that counts rates of change and held wrenches by its period is called as often."""
     counted = getattr(planner, "period", period)
-    if counted != period:
+    if not math.isclose(counted, period):
         raise UsageError(
             f"controller: period: {period:g} s, and the planner's is {counted:g} s, by which rates of change count; "
             "give both the same"

@@ -80,9 +80,9 @@ class LoadMonitor:
             return bool(sum(self._squares) < self._limit and by_load < 0.0)
         return bool(by_load < noise_scale.gain)
 
-    def note_load_change(self, time: float) -> None:
-        """Somebody else found another load."""
-        self._resets, self._is_change_reported, self._unfit = self._resets.one_more(time, is_load=True), False, None
+    def note_decision(self, time: float, *, is_load: bool) -> None:
+        """Somebody else found another load, or a push."""
+        self._resets, self._is_change_reported, self._unfit = self._resets.one_more(time, is_load=is_load), False, None
         self._begin_anew()
         self._say()
 

@@ -340,6 +340,7 @@ class ParameterLearner:
         self._finish()
         if self.hypotheses is not None:
             self._belief, self.hypotheses = self.hypotheses.pushed.belief.copy(), None
+            self._load_monitor.note_decision(self.time, is_load=False)
             self._conclude()
 
     def note_load_change(self, since: float) -> None:
@@ -349,11 +350,10 @@ class ParameterLearner:
         if self.hypotheses is not None and self.hypotheses.time > since:
             self._belief = self.hypotheses.if_loaded
         else:
-            root = self._root_of_load
-            self._belief.open(root @ root.T)
+            self._belief.open(self._root_of_load @ self._root_of_load.T)
         self.hypotheses, self._taken = None, ()
         self.last_decision = self.last_load_change = self.time
-        self._load_monitor.note_load_change(self.time)
+        self._load_monitor.note_decision(self.time, is_load=True)
         self._conclude()
 
     def _begin(self, beginning: HypothesesStart) -> DoneStage | HypothesesStart:

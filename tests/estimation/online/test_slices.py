@@ -6,6 +6,7 @@ from itertools import pairwise
 import numpy as np
 
 from estimation import FilterNoise
+from estimation.health import Health
 from estimation.online.arguments import checked_arguments
 from estimation.online.cart_filter import core_of
 from estimation.online.regressor import parameter_learner
@@ -58,3 +59,17 @@ def test_a_load_that_another_found_is_the_one_that_was_thought_of_since():
     np.testing.assert_allclose(same.theta, loaded.theta, rtol=1e-9)
     assert same.covariance[0, 0] < 0.25 * other.covariance[0, 0]
     assert same.hypotheses is other.hypotheses is None
+
+
+def test_a_push_that_another_found_is_no_load():
+    """Nor told as one for longer."""
+    core, heavy = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None)), (72.0, *LOADED[1:])
+    for sample in simulate_two_hands(TRUTH, duration=16.0, change=(8.0, heavy)).measurements():
+        core.take(sample)
+        if core.learner.hypotheses is not None and core.learner.health == Health.LOAD_CHANGED:
+            break
+    assert core.learner.hypotheses is not None
+    core.learner.note_push()
+    assert core.learner.hypotheses is None
+    assert core.learner.health != Health.LOAD_CHANGED
+    assert abs(core.learner.theta[0] - TRUTH[0]) < 1.0
