@@ -151,22 +151,20 @@ class Arm:
             joints = self.postures.joints_at((x, y, z), self.yaw)
         except UsageError as error:
             raise UsageError(f"arm {self.name}: {error}") from error
-        if joints is self.joints:
-            return self
-        other = shallow_copy(self)
-        object.__setattr__(other, "joints", joints)
-        return other
+        return self if joints is self.joints else self._with("joints", joints)
 
     def holding_at(self, contacts: ContactSet) -> Arm:
         """The arm with other candidates."""
-        other = shallow_copy(self)
-        object.__setattr__(other, "contacts", contacts)
-        return other
+        return self._with("contacts", contacts)
 
     def without_rate(self) -> Arm:
         """The arm where there is time enough for any change: judgements over seconds are of it."""
+        return self._with("wrench_rate", (np.inf,) * 6)
+
+    def _with(self, field: str, value: object) -> Arm:
+        """The arm with another value, which fits it."""
         other = shallow_copy(self)
-        object.__setattr__(other, "wrench_rate", (np.inf,) * 6)
+        object.__setattr__(other, field, value)
         return other
 
     @property

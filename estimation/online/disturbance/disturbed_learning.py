@@ -204,13 +204,13 @@ class DisturbedLearning:
         """What learns from all samples, until it is known whether there is another load. What others think of that,
         who have heard less, ends as soon as this one is sure of a push."""
         other.take(sample)
-        learner = other.learner
+        learner, careful = other.learner, self._careful.learner
         if learner.last_load_change > self._opened:
             self._go_on_with_open()
         elif learner.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
             self._open = None
-        elif learner.hypotheses is not None and learner.hypotheses.is_surely_pushed:
-            self._careful.learner.note_push()
+        elif careful.hypotheses and learner.hypotheses and learner.hypotheses.is_surely_pushed:
+            careful.note_push()
 
     def _go_on_with_open(self) -> None:
         """It was right."""
