@@ -186,11 +186,18 @@ def mass_and_health(told):
 @pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
 @pytest.mark.parametrize("force", [15.0, 50.0])
 def test_a_push_teaches_no_mass(force, angle):
+    """Three draws of the sensors' noise: in one of a hundred a load is thought of a second later, which leaves the mass
+    right and for some seconds half as sure."""
     push = Push(force * np.array([math.cos(angle), math.sin(angle), 0.0]), np.array([0.3, 0.1, 0.4]))
-    mass, health = mass_and_health(driven(lambda time, _: [push] if 4.0 <= time < 4.4 else []))
-    assert abs(mass.value - 24.0) < 3 * mass.std < 2.5
-    assert health[-1] == "ok"
-    assert 0.1 < CONTROL_PERIOD * health.count("load_changed") < 2.0
+    widths = []
+    for seed in range(3):
+        mass, health = mass_and_health(driven(lambda time, _: [push] if 4.0 <= time < 4.4 else [], seed=seed))
+        assert abs(mass.value - 24.0) < 3 * mass.std
+        assert health[-1] == "ok"
+        assert 0.1 < CONTROL_PERIOD * health.count("load_changed") < 2.0
+        widths.append(3 * mass.std)
+    assert np.median(widths) < 2.5
+    assert max(widths) < 4.0
 
 
 @pytest.mark.long
