@@ -26,11 +26,11 @@ def digest(sources: list[bytes]) -> str:
 
 
 def digest_of(folder: Path) -> str:
-    """The digest of a folder's Python sources, and of how they are compiled. A kernel holds the code of those it calls,
-    and numba only looks whether its own file is new. So the name under which it is cached says what all of them were
-    made of."""
+    """The digest of a folder's Python sources, with those of folders in it, and of how they are compiled. A kernel
+    holds the code of those it calls, and numba only looks whether its own file is new. So the name under which it is
+    cached says what all of them were made of."""
     own = Path(__file__), Path(kernel_compiler.__file__)
-    return digest([path.read_bytes() for path in (*own, *sorted(folder.glob("*.py")))])
+    return digest([path.read_bytes() for path in (*own, *sorted(folder.rglob("*.py")))])
 
 
 def inner(function: F, options: dict[str, Any]) -> F:

@@ -11,7 +11,7 @@ from typing import NamedTuple
 from cartgrasp.frames import Array
 
 from .jit import compiled
-from .situation import KernelSituation, Parts
+from .situation import EffectValues, KernelSituation, Parts
 
 
 class Caster(NamedTuple):
@@ -30,10 +30,11 @@ def listed(at: KernelSituation, k: int, heading: float) -> Caster:
 
 
 @compiled
-def add_heading_rates(at: KernelSituation, memory: Array, out: Parts) -> None:
-    """Adds the rates of all listed casters' headings, with partials by velocity and heading."""
-    for k in range(len(memory)):
-        rate, by_velocity, by_heading = heading_rate(at, listed(at, k, memory[k]))
+def heading_rates(at: KernelSituation, own: EffectValues, out: Parts) -> None:
+    """Adds the rates of all listed casters' headings, with partials by velocity and heading: the `memory_rate` of what
+    each wheel does along its heading."""
+    for k in range(len(own.memory)):
+        rate, by_velocity, by_heading = heading_rate(at, listed(at, k, own.memory[k]))
         out.value[k] += rate
         for j in range(3):
             out.by_velocity[k, j] += by_velocity[j]
@@ -41,10 +42,10 @@ def add_heading_rates(at: KernelSituation, memory: Array, out: Parts) -> None:
 
 
 @compiled
-def settle_headings(at: KernelSituation, memory: Array, out: Array) -> None:
-    """Writes where all listed casters come to rest."""
-    for k in range(len(memory)):
-        out[k] = settled_heading(at, listed(at, k, memory[k]))
+def settled_headings(at: KernelSituation, own: EffectValues, memory: Array) -> None:
+    """Writes where all listed casters come to rest: `settled`, of the same effects."""
+    for k in range(len(own.memory)):
+        memory[k] = settled_heading(at, listed(at, k, own.memory[k]))
 
 
 @compiled

@@ -204,7 +204,7 @@ def situation(m: Workspace, point: Point, twist: Twist) -> KernelSituation:
     for e in range(len(m.effects)):
         kind, first, last = m.effects[e, 0], m.effects[e, 1], m.effects[e, 2]
         own = EffectValues(point.state[:0], point.parameters[first:last], m.constants[:0])
-        add_phi_change(kind, point.time, own, m.phi, m.phi_by_parameters[:, first:last])
+        add_phi_change(kind, point.time, own, (m.phi, m.phi_by_parameters[:, first:last]))
     carry(m.wheels, m.phi, m.gravity, (m.loads, m.carried, m.standing))
     return _carried(m, point, twist)
 

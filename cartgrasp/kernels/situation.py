@@ -8,7 +8,7 @@ An effect's file holds one kernel for each thing that it does; `vocabulary.py` c
     memory_rate(at, own, out)              adds the rate of the memory, with partials; a row for each memory
     stiction(at, own, columns) -> n        writes n wrenches (3,) into the first of columns (m, 3), which are 0
     settled(at, own, memory)               writes where the memory comes to rest
-    phi_change(time, own, phi, by_own)     adds to phi (4,) and to its partials (4, q)
+    phi_change(time, own, out)             adds to phi (4,) and to its partials (4, q), the two of `out`
 """
 
 from __future__ import annotations

@@ -1,152 +1,61 @@
-"""Which kernel a force or an inertia effect of the library has; no other effect has one.
+"""What the kernels of all effects do together: `situation.py` says which an effect may have, and a file in `effects/`
+has those of the effect that is called as it is.
 
-A new one is a number, a row of `KINDS` and a branch wherever it has something to do."""
+Numba compiles no call that is chosen at run time. So each of these functions is a chain: a link calls its own effect's
+kernel if that is asked for, and the next link if not. Links stand where they are called (`forceinline`): what a kernel
+is given takes longer to hand on than most kernels to work with.
+"""
 
 from __future__ import annotations
 
-from cartgrasp.frames import Array
+from collections.abc import Callable
+from importlib import import_module
+from pkgutil import iter_modules
+from types import ModuleType
+from typing import Any
 
-from . import (
-    caster_realignment,
-    directional_drag,
-    end_stop,
-    external_push,
-    floor_patch,
-    floor_slope,
-    learned_force,
-    load_slosh,
-    payload_change,
-    quadratic_drag,
-    rolling_resistance,
-    stribeck_friction,
-    unknown_slope,
-    viscous_drag,
-    wheel_drag_imbalance,
-)
-from .casters import add_heading_rates, settle_headings
+from cartgrasp.compiling import JIT_OPTIONS, inner
+
+from . import effects
 from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
 
-VISCOUS_DRAG = 0
-ROLLING_RESISTANCE = 1
-STRIBECK_FRICTION = 2
-QUADRATIC_DRAG = 3
-DIRECTIONAL_DRAG = 4
-FLOOR_SLOPE = 5
-FLOOR_PATCH = 6
-CASTER_REALIGNMENT = 7
-WHEEL_DRAG_IMBALANCE = 8
-EXTERNAL_PUSH = 9
-PAYLOAD_CHANGE = 10
-LOAD_SLOSH = 11
-END_STOP = 12
-LEARNED_FORCE = 13
-UNKNOWN_SLOPE = 14
-
-KINDS = {
-    "viscous_drag": VISCOUS_DRAG,
-    "rolling_resistance": ROLLING_RESISTANCE,
-    "stribeck_friction": STRIBECK_FRICTION,
-    "quadratic_drag": QUADRATIC_DRAG,
-    "directional_drag": DIRECTIONAL_DRAG,
-    "floor_slope": FLOOR_SLOPE,
-    "floor_patch": FLOOR_PATCH,
-    "caster_realignment": CASTER_REALIGNMENT,
-    "wheel_drag_imbalance": WHEEL_DRAG_IMBALANCE,
-    "external_push": EXTERNAL_PUSH,
-    "payload_change": PAYLOAD_CHANGE,
-    "load_slosh": LOAD_SLOSH,
-    "end_stop": END_STOP,
-    "learned_force": LEARNED_FORCE,
-    "unknown_slope": UNKNOWN_SLOPE,
+KERNELS: dict[str, ModuleType] = {
+    module.name: import_module(f"{effects.__name__}.{module.name}") for module in iter_modules(effects.__path__)
 }
-
-
-STICTION_EFFECTS = frozenset(
-    {
-        "rolling_resistance",
-        "stribeck_friction",
-        "floor_patch",
-        "caster_realignment",
-        "wheel_drag_imbalance",
-        "learned_force",
-    }
-)
-"""Those with a branch in `add_stiction`."""
+KINDS = {name: kind for kind, name in enumerate(sorted(KERNELS))}
+STICTION_EFFECTS = frozenset(name for name, module in KERNELS.items() if hasattr(module, "stiction"))
 
 
 @compiled
-def add_phi_change(kind: int, time: float, own: EffectValues, phi: Array, by_own: Array) -> None:
-    if kind == PAYLOAD_CHANGE:
-        payload_change.phi_change(time, own, phi, by_own)
+def _nothing(asked: int, at: Any, own: Any, out: Any) -> None:
+    pass
 
 
 @compiled
-def add_wrench(kind: int, at: KernelSituation, own: EffectValues, out: Parts) -> None:
-    if kind == VISCOUS_DRAG:
-        viscous_drag.wrench(at, own, out)
-    elif kind == ROLLING_RESISTANCE:
-        rolling_resistance.wrench(at, own, out)
-    elif kind == STRIBECK_FRICTION:
-        stribeck_friction.wrench(at, own, out)
-    elif kind == QUADRATIC_DRAG:
-        quadratic_drag.wrench(at, own, out)
-    elif kind == DIRECTIONAL_DRAG:
-        directional_drag.wrench(at, own, out)
-    elif kind == FLOOR_SLOPE:
-        floor_slope.wrench(at, own, out)
-    elif kind == FLOOR_PATCH:
-        floor_patch.wrench(at, own, out)
-    elif kind == CASTER_REALIGNMENT:
-        caster_realignment.wrench(at, own, out)
-    elif kind == WHEEL_DRAG_IMBALANCE:
-        wheel_drag_imbalance.wrench(at, own, out)
-    elif kind == EXTERNAL_PUSH:
-        external_push.wrench(at, own, out)
-    elif kind == LOAD_SLOSH:
-        load_slosh.wrench(at, own, out)
-    elif kind == END_STOP:
-        end_stop.wrench(at, own, out)
-    elif kind == LEARNED_FORCE:
-        learned_force.wrench(at, own, out)
-    elif kind == UNKNOWN_SLOPE:
-        unknown_slope.wrench(at, own, out)
-
-
-@compiled
-def add_memory_rate(kind: int, at: KernelSituation, own: EffectValues, out: Parts) -> None:
-    if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
-        add_heading_rates(at, own.memory, out)
-    elif kind == CASTER_REALIGNMENT:
-        caster_realignment.memory_rate(at, own, out)
-    elif kind == LOAD_SLOSH:
-        load_slosh.memory_rate(at, own, out)
-    elif kind == LEARNED_FORCE:
-        learned_force.memory_rate(at, own, out)
-
-
-@compiled
-def add_stiction(kind: int, at: KernelSituation, own: EffectValues, columns: Array) -> int:
-    if kind == ROLLING_RESISTANCE:
-        return rolling_resistance.stiction(at, own, columns)
-    if kind == STRIBECK_FRICTION:
-        return stribeck_friction.stiction(at, own, columns)
-    if kind == FLOOR_PATCH:
-        return floor_patch.stiction(at, own, columns)
-    if kind == CASTER_REALIGNMENT:
-        return caster_realignment.stiction(at, own, columns)
-    if kind == WHEEL_DRAG_IMBALANCE:
-        return wheel_drag_imbalance.stiction(at, own, columns)
-    if kind == LEARNED_FORCE:
-        return learned_force.stiction(at, own, columns)
+def _none(asked: int, at: Any, own: Any, out: Any) -> int:
     return 0
 
 
-@compiled
-def settle(kind: int, at: KernelSituation, own: EffectValues, memory: Array) -> None:
-    if kind in (ROLLING_RESISTANCE, STRIBECK_FRICTION, FLOOR_PATCH):
-        settle_headings(at, own.memory, memory)
-    elif kind == CASTER_REALIGNMENT:
-        caster_realignment.settled(at, own, memory)
-    elif kind == LOAD_SLOSH:
-        load_slosh.settled(at, own, memory)
+# A step of the dynamics takes 0.5 times as long with `forceinline` as with one function of branches, and 7 without.
+def _link(kind: int, kernel: Callable[..., Any], following: Callable[..., Any]) -> Callable[..., Any]:
+    def call(asked: int, at: Any, own: Any, out: Any) -> Any:
+        if asked == kind:
+            return kernel(at, own, out)
+        return following(asked, at, own, out)
+
+    return inner(call, {**JIT_OPTIONS, "forceinline": True})
+
+
+def _chain(name: str, end: Callable[..., Any]) -> Callable[..., Any]:
+    """The effects' kernels of a name, as one that is told first which of them is asked for."""
+    for effect, module in KERNELS.items():
+        if hasattr(module, name):
+            end = _link(KINDS[effect], getattr(module, name), end)
+    return end
+
+
+add_phi_change = _chain("phi_change", _nothing)
+add_wrench = _chain("wrench", _nothing)
+add_memory_rate = _chain("memory_rate", _nothing)
+add_stiction = _chain("stiction", _none)
+settle = _chain("settled", _nothing)

@@ -83,7 +83,7 @@ def pack(
     end = 0
     for effect in effects:
         if effect.name not in KINDS:
-            cure = "derive an effect in numpy from ForceEffect; one with a kernel needs its row of vocabulary.KINDS"
+            cure = "derive an effect in numpy from ForceEffect; one with a kernel needs a file in kernels/effects/"
             raise UsageError(f"effects: {effect.name} has no kernel; {cure}")
     for row, effect in zip(ints[N_WORKSPACE_SIZES:].reshape(-1, N_EFFECT_INTS), effects, strict=True):
         own, memory, begin, end = effect.parameters, effect.memory, end, end + len(effect.constants)

@@ -3,7 +3,6 @@ partials, effects from outside the library, and the steps of the plant."""
 
 from __future__ import annotations
 
-import inspect
 import math
 import os
 import subprocess
@@ -20,7 +19,16 @@ from numba import njit
 
 from cartgrasp.compiling import digest
 from cartgrasp.contacts import ContactWrenches
-from cartgrasp.effects import CasterRealignment, ExternalPush, PayloadChange, RollingResistance, ViscousDrag
+from cartgrasp.effects import (
+    KNOWN_EFFECTS,
+    CasterRealignment,
+    ExternalPush,
+    PayloadChange,
+    RollingResistance,
+    UnknownSlope,
+    ViscousDrag,
+)
+from cartgrasp.effects.compiled import CompiledForce, CompiledInertia
 from cartgrasp.effects.effect import Contribution, ForceEffect, InertiaEffect, Parameter, Situation
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
@@ -306,10 +314,16 @@ def test_every_kernel_has_its_own_number():
         )
 
 
-@pytest.mark.parametrize("name", KINDS)
-def test_who_sticks_is_who_has_a_branch(name):
-    branches = inspect.getsource(vocabulary.add_stiction.py_func)
-    assert (f"== {name.upper()}:" in branches) == (name in vocabulary.STICTION_EFFECTS)
+def test_a_compiled_effect_has_a_file_of_kernels_and_these_have_names_that_are_called():
+    compiled = [
+        one for one in (*KNOWN_EFFECTS.values(), UnknownSlope) if issubclass(one, CompiledForce | CompiledInertia)
+    ]
+    assert {one.name for one in compiled} == set(KINDS)
+    for name, module in vocabulary.KERNELS.items():
+        mine = {what for what, one in vars(module).items() if getattr(one, "__module__", None) == module.__name__}
+        kernels = {what for what in mine if hasattr(getattr(module, what), "py_func") and not what.startswith("_")}
+        assert kernels <= {"wrench", "memory_rate", "stiction", "settled", "phi_change"}, name
+        assert kernels & {"wrench", "phi_change"}, name
 
 
 def test_the_cached_kernels_carry_the_digest():

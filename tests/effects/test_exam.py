@@ -137,7 +137,7 @@ def test_a_force_acts_somewhere(kind):
     try:
         assert find(trials(kind), lambda trial: bool(trial.wrench().any()), settings=first, random=Random(0))
     except NoSuchExample:
-        pytest.fail(f"{title(kind)} gives no wrench anywhere: has `add_wrench` of kernels/vocabulary.py its branch?")
+        pytest.fail(f"{title(kind)} gives no wrench anywhere: what does its file in kernels/effects/ add?")
 
 
 @every_fixed_effect

@@ -2,8 +2,8 @@
 
 from __future__ import annotations
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
 
 
 @compiled

@@ -2,9 +2,9 @@
 
 from __future__ import annotations
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
-from .smooth import smooth_step
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
+from ..smooth import smooth_step
 
 
 @compiled

@@ -4,9 +4,12 @@ from __future__ import annotations
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .rolling import drag, hold
-from .situation import EffectValues, KernelSituation, Parts
+from ..casters import heading_rates, settled_headings
+from ..jit import compiled
+from ..rolling import drag, hold
+from ..situation import EffectValues, KernelSituation, Parts
+
+memory_rate, settled = heading_rates, settled_headings
 
 
 @compiled

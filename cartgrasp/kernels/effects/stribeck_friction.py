@@ -10,8 +10,9 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .rolling import (
+from ..casters import heading_rates, settled_headings
+from ..jit import compiled
+from ..rolling import (
     Rolling,
     WheelPlace,
     add_by_heading,
@@ -22,7 +23,9 @@ from .rolling import (
     rolling,
     rolling_anywhere,
 )
-from .situation import EffectValues, KernelSituation, Parts
+from ..situation import EffectValues, KernelSituation, Parts
+
+memory_rate, settled = heading_rates, settled_headings
 
 
 @compiled

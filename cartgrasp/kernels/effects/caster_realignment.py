@@ -8,10 +8,10 @@ from typing import NamedTuple
 
 from cartgrasp.frames import Array
 
-from .casters import Caster, heading_rate, settled_heading
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
-from .smooth import smooth_sign
+from ..casters import Caster, heading_rate, settled_heading
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
+from ..smooth import smooth_sign
 
 
 class Turning(NamedTuple):

@@ -7,9 +7,9 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
-from .smooth import smooth_step
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
+from ..smooth import smooth_step
 
 
 @compiled

@@ -4,9 +4,9 @@ from __future__ import annotations
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
-from .smooth import smooth_sign
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
+from ..smooth import smooth_sign
 
 MIN_TRACK_WIDTH = 1e-6
 """m: wheels that are no farther apart stand in one place."""

@@ -4,12 +4,13 @@ from __future__ import annotations
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .situation import EffectValues
+from ..jit import compiled
+from ..situation import EffectValues
 
 
 @compiled
-def phi_change(time: float, own: EffectValues, phi: Array, by_own: Array) -> None:
+def phi_change(time: float, own: EffectValues, out: tuple[Array, Array]) -> None:
+    phi, by_own = out
     mass, x, y = own.parameters[1], own.parameters[2], own.parameters[3]
     if not time >= own.parameters[0]:
         return

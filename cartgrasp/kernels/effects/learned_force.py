@@ -7,9 +7,9 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts, Twist
-from .smooth import smooth_ramp, smooth_sign, smooth_step
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts, Twist
+from ..smooth import smooth_ramp, smooth_sign, smooth_step
 
 ON_FORWARD_FORCE, ON_LATERAL_FORCE, ON_YAW_MOMENT, ON_DRAG, ON_WORLD_FORCE, ON_VISCOUS_DRAG = range(6)
 """What a law acts on."""

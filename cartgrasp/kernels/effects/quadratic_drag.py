@@ -4,8 +4,8 @@ from __future__ import annotations
 
 import math
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
 
 
 @compiled

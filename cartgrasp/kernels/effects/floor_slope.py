@@ -6,8 +6,8 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .situation import EffectValues, KernelSituation, Parts
+from ..jit import compiled
+from ..situation import EffectValues, KernelSituation, Parts
 
 
 @compiled

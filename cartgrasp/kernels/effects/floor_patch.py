@@ -7,10 +7,13 @@ import math
 
 from cartgrasp.frames import Array
 
-from .jit import compiled
-from .rolling import drag, hold
-from .situation import EffectValues, KernelSituation, Parts
-from .smooth import smooth_step
+from ..casters import heading_rates, settled_headings
+from ..jit import compiled
+from ..rolling import drag, hold
+from ..situation import EffectValues, KernelSituation, Parts
+from ..smooth import smooth_step
+
+memory_rate, settled = heading_rates, settled_headings
 
 
 @compiled
