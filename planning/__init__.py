@@ -25,6 +25,7 @@ if TYPE_CHECKING:
         InternalForce,
         Limit,
         LimitRows,
+        Pull,
         PushedCart,
         SideForce,
         Skid,
@@ -78,6 +79,7 @@ __all__ = [
     "Objective",
     "PathReference",
     "Plan",
+    "Pull",
     "PushedCart",
     "QPSolution",
     "QuadraticProgram",
@@ -119,7 +121,8 @@ _HOMES = {
     "embedded": "EmbeddedProblem export_c",
     "excitation.excitation_choice": "Allowance ExcitationChooser",
     "excitation.excitation_plan": "plan_excitation",
-    "limits": "CartLimit CartRows FloorLimit FloorRows InternalForce Limit LimitRows PushedCart SideForce Skid TipOver",
+    "limits": "CartLimit CartRows FloorLimit FloorRows InternalForce Limit LimitRows Pull PushedCart SideForce Skid "
+    "TipOver",
     "objectives": "LeastInternalForce LeastJointTorque LeastSideForce Lexicographic LoadShare Nothing Objective "
     "Smoothness WeightedWrench WorstArm",
     "plan": "Plan",

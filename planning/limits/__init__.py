@@ -13,6 +13,7 @@ from .floor_limit import FloorLimit, FloorRows
 from .friction import FrictionCone, FrictionPyramid
 from .internal_force import InternalForce
 from .limit import Limit, LimitRows, joined, user_rows
+from .pull import Pull
 from .soft_finger import SoftFingerLimit
 from .wheel_limits import SideForce, Skid, TipOver
 from .wrench_rate import WrenchRate
@@ -29,6 +30,7 @@ __all__ = [
     "Limit",
     "LimitRows",
     "Payload",
+    "Pull",
     "PushOnly",
     "PushedCart",
     "SideForce",

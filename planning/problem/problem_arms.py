@@ -16,7 +16,7 @@ from cartgrasp.friction import EXACT, Friction, SoftFinger
 from cartgrasp.joint_torques import JointTorques, PostureSource
 from cartgrasp.reach import Reach
 
-from .problem_schema import ArmEntry, FrictionEntry, JointsEntry, UrdfEntry
+from .problem_schema import ARM_LIMITS, ArmEntry, FrictionEntry, JointsEntry, UrdfEntry
 from .refusing import Refuse, refusing
 
 NO_LIMIT = (float("inf"),) * 3
@@ -46,6 +46,11 @@ def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) 
         if reach is not None and reach.clip(held) is None:
             raise UsageError("no candidate contact is within it")
     rate = [] if entry.rate is None else [*(entry.rate.force or NO_LIMIT), *(entry.rate.moment or NO_LIMIT)]
+    stated = {key: dict(values) for key in ARM_LIMITS if (values := getattr(entry.limits, key)) is not None}
+    limits = []
+    for key, values in stated.items():
+        with refusing(refuse, *where, "limits", key):
+            limits.append(ARM_LIMITS[key](**values))
     with refusing(refuse, *where, "name"):
         arm = Arm(
             entry.name,
@@ -61,6 +66,7 @@ def _arm(entry: ArmEntry, where: list[str | int], folder: Path, refuse: Refuse) 
             joints=joints,
             reach=reach,
             soft_finger=soft_finger,
+            limits=limits,
         )
     return arm
 

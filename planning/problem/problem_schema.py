@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+from dataclasses import is_dataclass
 from typing import TYPE_CHECKING, Annotated, Any, TypeAlias
 
 from pydantic import Field
@@ -9,7 +10,7 @@ from pydantic import Field
 from cartgrasp.yaml_file import StrictModel
 
 from .. import limits, objectives
-from ..limits import CartLimit
+from ..limits import CartLimit, Limit
 from ..objectives.objective import Addition
 from ..planner import MAX_PERIOD
 from .class_entries import classes_in, entry_of
@@ -25,13 +26,21 @@ from .values import (
 )
 
 DEFAULT_WEIGHTS = (1.0, 1.0, 1.0, 10.0, 10.0, 10.0)
+ARM_LIMITS = {key: kind for key, kind in classes_in(limits, Limit).items() if is_dataclass(kind)}  # type: ignore[type-abstract]
+"""Limits of an arm with numbers of their own; others are about the arm's."""
 CART_LIMITS = classes_in(limits, CartLimit)  # type: ignore[type-abstract]
 ADDITIONS = classes_in(objectives, Addition)  # type: ignore[type-abstract]
 
 
-class LimitsEntry(StrictModel):
+class BoxEntry(StrictModel):
     force: LimitTriple | None = None
     moment: LimitTriple | None = None
+
+
+if TYPE_CHECKING:
+    LimitsEntry: TypeAlias = BoxEntry
+else:
+    LimitsEntry = entry_of("LimitsEntry", ARM_LIMITS, BoxEntry)
 
 
 class RateEntry(StrictModel):

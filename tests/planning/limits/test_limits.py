@@ -18,6 +18,7 @@ from planning.limits import (
     FrictionPyramid,
     JointTorque,
     Payload,
+    Pull,
     PushOnly,
     SoftFingerLimit,
     WrenchBox,
@@ -51,6 +52,7 @@ BOUNDARIES = [
     (JointTorque(), LINKS, np.array([0, 15 / 0.7, 0, 0, 0, 0]), "joint 0 torque upper"),
     (JointTorque(), LINKS, np.array([0, -40.0, 0, 0, 0, 3.0]), "joint 0 torque lower"),
     (JointTorque(), LINKS, np.array([0, -10.0, 9.0, 0, 0, 13.0]), "joint 1 torque upper"),
+    (Pull(18.0), arm(friction=None, limits=[Pull(18.0)]), np.array([-18.0, 9, 0, 0, 0, 0]), "pull upper"),
     (FrictionCone(), CONE_ARM, np.array([10, 3.6, -4.8, 0, 0, 0]), "friction cone"),
     (SoftFingerLimit(), OPEN, np.array([10, 2.0, -4.0, 0.04, 0, 0]), "soft finger"),
     (SoftFingerLimit(), OPEN, np.array([0.0, 0, 0, 0, 9, 9]), "push only"),
@@ -89,7 +91,7 @@ def test_exam(limit, owner, boundary, name):
     rows, stated = limit.rows(owner), limits_of(owner)
     told = (*stated.names, *stated.low_names, *stated.lower_names, *stated.upper_names)
     assert name in (*told, *(cone.name for cone in stated.cones)), f"limits_of leaves {type(limit).__name__} out"
-    if name == "push only":
+    if name in ("push only", "pull upper"):  # of fx alone
         assert name in violated(rows, boundary - np.array([1e-9, 0, 0, 0, 0, 0]))
         assert violated(rows, boundary + np.array([1e-9, 0, 0, 0, 0, 0])) == []
     else:

@@ -18,7 +18,7 @@ from cartgrasp.joint_torques import JointTorques
 from cartgrasp.motion import Motion
 from planning import WrenchPlanner, allocate
 from planning import limits as all_limits
-from planning.limits import CartLimit, FloorLimit, InternalForce, SideForce, Skid, TipOver
+from planning.limits import CartLimit, FloorLimit, InternalForce, Pull, SideForce, Skid, TipOver
 
 from ..contacts.test_contact_choice_with_cart_limits import WHEELS
 
@@ -102,6 +102,7 @@ EXAMS = {
         {"payload": 0.5},
         (TipOver(20.0),),
     ),
+    "pull": Exam((-40, 0, 1), (20, 0, 1), ("left: pull upper",), lambda F: [F[0][0] >= -18], {"limits": [Pull(18.0)]}),
     "joint torque": Exam((110, 0, 2), (5, 0, 0.2), ("left: joint 0 torque upper",), joint_torques, {"joints": JOINTS}),
     "internal force": Exam(
         (60, 0, 8),

@@ -7,10 +7,11 @@ import pytest
 from pydantic import ValidationError
 
 from planning import limits, objectives
-from planning.limits import CartLimit, InternalForce, SideForce, Skid, TipOver
+from planning.limits import CartLimit, InternalForce, Pull, SideForce, Skid, TipOver
 from planning.objectives import Lexicographic, Nothing, Smoothness, WeightedWrench, WorstArm
 from planning.objectives.objective import Addition
 from planning.problem.class_entries import classes_in, entry_of
+from planning.problem.problem_schema import ARM_LIMITS
 
 HEAVY = """
 from collections.abc import Mapping
@@ -47,6 +48,7 @@ def test_what_stands_in_a_folder_has_its_key(heavy):
     assert not {Lexicographic, Nothing, WeightedWrench, Addition} & set(found.values())
     kinds = {"internal_force": InternalForce, "side_force": SideForce, "skid": Skid, "tip_over": TipOver}
     assert classes_in(limits, CartLimit) == kinds, "a new limit of the cart stands in kinds, too"
+    assert set(ARM_LIMITS.items()) == {("pull", Pull)}, "and one of an arm here"
 
 
 def test_its_fields_are_keys_with_what_they_may_be(heavy):

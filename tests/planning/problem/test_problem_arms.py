@@ -10,6 +10,7 @@ from cartgrasp.spatial_pose import SpatialPose
 from cartgrasp.studies.campaigns.study_file import read_study
 from cartgrasp.urdf_arm import read_urdf_arm
 from cartgrasp.urdf_postures import UrdfPostures
+from planning import Pull
 from planning.problem.problem_file import read_problem
 
 from ...docs.given import a_robot
@@ -110,3 +111,13 @@ def test_a_study_runs_with_the_posture_and_tells_what_the_file_says(tmp_path, ro
     path.write_text(STUDY.replace(URDF, ""))
     (told,) = read_study(path).told["closed_loop"]["arms"]
     assert "urdf" not in told
+
+
+def test_a_limit_of_an_arm_has_its_key(tmp_path):
+    """And what it has against its numbers is told at its place."""
+    text = PROBLEM.replace(URDF, "").replace("moment: [15, 15, 15]", "pull: {bound: 18}")
+    (left,) = read_problem(problem_file(tmp_path, text)).arms
+    assert left.limits == (Pull(18.0),)
+    assert left.force_limit == (150, 150, 150)
+    with pytest.raises(FileError, match=r"problem\.yaml:6:\d+: arms\.0\.limits\.pull\.bound: -1"):
+        read_problem(problem_file(tmp_path, text.replace("18", "-1")))
