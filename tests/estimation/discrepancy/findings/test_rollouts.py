@@ -117,7 +117,7 @@ def misses(balances, log):
     ("force", "slow", "memory"), [(1.0, 0.0, 0.04), (3.0, 0.0, 0.04), (0.5, 3.0, 0.04), (0.5, 3.0, 0.07)]
 )
 def test_the_floor_is_what_a_true_model_does(force, slow, memory):
-    """But for noise that remembers for longer than 50 ms: it counts as MAX_FAST_NOISE_RATIO times as loud as it looks."""
+    """But for noise that remembers for more than 50 ms: it counts as MAX_FAST_NOISE_RATIO times as loud as it looks."""
     fade = np.exp(-STEP / memory)
     told = min(MAX_FAST_NOISE_RATIO / np.sqrt((1 + fade) / (1 - fade)), 1.0) if slow else 1.0
     true, floors = [], []
