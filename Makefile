@@ -1,11 +1,13 @@
-# Everything runs in .venv, which `make setup` fills from the lock; a target that needs it calls setup itself.
+# Everything runs in .venv. The demonstration fills it from requirements.txt, with what running needs; `make setup`, which
+# all other targets call, from requirements-dev.txt, with what tests, linters and pages need too.
 
 VENV := .venv
 BIN := $(VENV)/bin
-READY := $(VENV)/.set-up
+READY := $(VENV)/.runs
+READY_FOR_DEV := $(VENV)/.set-up
 READY_FOR_BENCH := $(VENV)/.set-up-bench
-# pip is mute for a minute, which looks like one that hangs: a line every five seconds says how far it is.
-PIP_INSTALL := VENV=$(VENV) .ci/with-progress $(BIN)/pip install -qq --disable-pip-version-check
+# Installing is mute, which looks like one that hangs: a line every five seconds says how far it is.
+INSTALL := VENV=$(VENV) .ci/with-progress .ci/install
 PACKAGES := cartgrasp estimation planning
 
 # The matrices are tiny, so threads inside BLAS only cost; and nothing here may open a window.
@@ -19,7 +21,7 @@ PYTHON := python3 python3.11 python3.12 python3.13
 .PHONY: help setup demo test test-quick test-other prove sealed floors measured lint format docs bench lock clean
 
 help:
-	@echo "make setup    make .venv from the lock and install cartgrasp into it, editable"
+	@echo "make setup    make .venv from the lock, with what tests and linters need, and cartgrasp, editable"
 	@echo "make demo     run the demonstration; its pages go to out/demo"
 	@echo "make test     run the tests"
 	@echo "make test-quick  of these what takes little, of the library alone: for daily work"
@@ -32,22 +34,28 @@ help:
 	@echo "make format   let ruff format and mend what it can"
 	@echo "make docs     build the documentation into out/docs"
 	@echo "make bench    run the benchmarks (installs a few more solvers)"
-	@echo "make lock     resolve pyproject.toml anew into both lock files (LOCKFLAGS=--upgrade for newer versions)"
+	@echo "make lock     resolve pyproject.toml anew into the lock files (LOCKFLAGS=--upgrade for newer versions)"
 	@echo "make clean    remove outputs and caches (.venv stays)"
 
-setup: $(READY)
+setup: $(READY_FOR_DEV)
 
 $(READY): requirements.txt pyproject.toml | $(BIN)/pip
 	@echo "Installing what requirements.txt pins ..."
-	@$(PIP_INSTALL) --require-hashes -r requirements.txt
-	@$(PIP_INSTALL) --no-deps --no-build-isolation -e .
+	@$(INSTALL) --require-hashes -r requirements.txt
+	@$(INSTALL) --no-deps --no-build-isolation -e .
 	@touch $@
 
-$(READY_FOR_BENCH): requirements-bench.txt $(READY)
-	@$(PIP_INSTALL) --require-hashes -r requirements-bench.txt
+$(READY_FOR_DEV): requirements-dev.txt $(READY)
+	@echo "Installing what requirements-dev.txt pins ..."
+	@$(INSTALL) --require-hashes -r requirements-dev.txt
+	@touch $@
+
+$(READY_FOR_BENCH): requirements-bench.txt $(READY_FOR_DEV)
+	@$(INSTALL) --require-hashes -r requirements-bench.txt
 	@touch $@
 
 $(BIN)/pip:
+	@echo "Making $(VENV) ..."
 	@python=; \
 	for name in $(PYTHON); do \
 	    $$name -c 'import sys; sys.exit(sys.version_info < (3, 11))' 2>/dev/null && python=$$name && break; \
@@ -69,7 +77,7 @@ $(BIN)/pip:
 	fi; \
 	$$python -m venv $(VENV)
 
-demo: setup
+demo: $(READY)
 	$(ENV) $(BIN)/cartgrasp demo --out out/demo
 
 test: setup
@@ -135,16 +143,19 @@ docs: setup
 bench: setup $(READY_FOR_BENCH)
 	$(ENV) $(BIN)/python -m benchmarks
 
-# uv doesn't read pip's configuration, so an index that is set there is handed over; it isn't written into the locks.
+# An index that pip is told of is handed over; it isn't written into the locks.
 COMPILE = $(BIN)/uv pip compile --quiet --universal --python-version 3.11 --fork-strategy fewest --generate-hashes \
     --no-emit-index-url --no-emit-find-links --custom-compile-command "make lock" $(LOCKFLAGS) pyproject.toml
 
 lock: | $(BIN)/pip
-	@[ -x $(BIN)/uv ] || $(PIP_INSTALL) uv
+	@[ -x $(BIN)/uv ] || $(BIN)/pip install -qq --disable-pip-version-check uv
 	@index=$${PIP_INDEX_URL:-$$($(BIN)/pip config get global.index-url 2>/dev/null)}; \
 	[ -z "$$index" ] || export UV_DEFAULT_INDEX="$$index"; \
-	$(COMPILE) --extra dev --extra docs --extra parquet --extra arms --extra rendering --extra dask -o requirements.txt && \
-	$(COMPILE) --extra bench --constraint requirements.txt -o requirements-bench.txt
+	$(COMPILE) --group build -o requirements.txt && \
+	$(COMPILE) --extra dev --extra docs --extra parquet --extra arms --extra rendering --extra dask \
+	    --constraint requirements.txt -o requirements-dev.txt && \
+	$(COMPILE) --extra bench --constraint requirements-dev.txt -o requirements-bench.txt && \
+	grep -A 99 '^uv==' requirements-dev.txt | sed '1,/[^\\]$$/!d' | grep -v '# ' > .ci/uv.txt
 
 clean:
 	rm -rf out dist build .mypy_cache .ruff_cache .pytest_cache .hypothesis
