@@ -1,4 +1,4 @@
-"""`python -m benchmarks.fresh_clones --against COMMIT [--target demo] [--rounds 1]`: how long `make demo` (or `test`, or
+"""`python -m benchmarks.fresh_clones --against COMMIT [--target demo] [--rounds 1]`: how long `make demo` (`test`,
 `test-quick`) takes in a fresh clone without environment or caches, when its first line comes, and for how long it is
 silent; beside those of another commit, turn by turn."""
 
