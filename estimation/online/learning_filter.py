@@ -56,7 +56,7 @@ class LearningFilter:
         learner.take(measurement)
         self.time = learner.time
         self._move(float(measurement.time), learner.seen, learner.measured_wrench)
-        motion.learn(learner.theta, learner.covariance)
+        motion.learn(learner.learned.theta, learner.learned.covariance)
 
     def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:
         motion = self.motion
@@ -66,7 +66,7 @@ class LearningFilter:
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         elif time - motion.time > MAX_TRACKING_GAP:
             motion.coast(time)
-        motion.advance(time, seen, felt, self.learner.gate_ratio)
+        motion.advance(time, seen, felt, self.learner.learned.gate_ratio)
 
     def scale_noise(self, noise_factors: Array) -> None:
         """Variances of velocities, linear and yaw (2,), are so many times the declared ones."""

@@ -47,7 +47,7 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
     @property
     def lateness(self) -> float:
         """How late wrenches are (s), beyond a quarter of a sample: held ones are not, mere samples half of one."""
-        return self._samples.state.wrench_delay
+        return self._samples.state.learned.wrench_delay
 
     def _told(self) -> Estimate:
         learner = self._core

@@ -98,7 +98,7 @@ class _Run:
         self.held = self._held(state)
         self.at: Ints = np.array([0, tick.STAGE_TRACK, 1, -1, 0])
         self.statuses = ["optimal"] * len(self.course.time)
-        self.known = [Belief(0, self.core.learner.theta, self.core.learner.reported_covariance)]
+        self.known = [Belief(0, self.core.learner.learned.theta, self.core.learner.learned.reported_covariance)]
 
     # --- to the end -------------------------------------------------------------------------------------------
 
@@ -122,10 +122,11 @@ class _Run:
         k, learner = int(self.at[tick.I_STEP]), self.core.learner
         self.at[tick.I_MOMENTS] = learner.followed(int(self.at[tick.I_MOMENTS]), float(self.course.time[k - 1]))
         self.at[tick.I_UNFINISHED] = learner.unfinished is not None
-        self.core.motion.learn(learner.theta, learner.covariance)
-        if learner.theta is not self.known[-1].theta:
-            self.held.theta[:], self.held.believed[:] = learner.theta, learner.believed
-            self.known.append(Belief(k, learner.theta, learner.reported_covariance))
+        learned = learner.learned
+        self.core.motion.learn(learned.theta, learned.covariance)
+        if learned.theta is not self.known[-1].theta:
+            self.held.theta[:], self.held.believed[:] = learned.theta, learner.believed
+            self.known.append(Belief(k, learned.theta, learned.reported_covariance))
 
     def _plan(self) -> None:
         """A wrench whose plan isn't proven by the kernels alone."""
@@ -168,7 +169,7 @@ class _Run:
         given = np.concatenate([np.zeros(N + 1), P, np.zeros(3 + 2)])[None]
         return LoopState(
             state=state,
-            theta=self.core.learner.theta.copy(),
+            theta=self.core.learner.learned.theta.copy(),
             believed=self.core.learner.believed.copy(),
             wrenches=np.zeros(6 * len(self.names)),
             wanted=np.zeros(3),
@@ -196,8 +197,9 @@ class _Run:
         steps = np.diff(np.append(steps, len(course.time)))
         partials, of_phi = physical_jacobian(theta[:, :N_PHI])[:, 1:3], covariance[:, :N_PHI, :N_PHI]
         headings = [i for i, name in enumerate(truth.state_names) if "heading" in name]
-        report = of_cart(self.core.learner.report, self.scenario.guess)
-        values, std = (np.repeat(part, steps, axis=0) for part in self.core.learner.reporter.numbers(theta, covariance))
+        learned = self.core.learner.learned
+        report = of_cart(learned.report, self.scenario.guess)
+        values, std = (np.repeat(part, steps, axis=0) for part in learned.reporter.numbers(theta, covariance))
         return RunRecord(
             log=RunLog(course.time, series.pose, velocity, arms),
             cart=self.scenario.guess,

@@ -151,13 +151,12 @@ class DisturbedLearning:
     def _doubted(self, told: Estimate) -> Estimate:
         """What pushes may be a load while one of the others tries that, or the quick one has found one that nobody else
         has: then it is as unsure what the parameters are as that one is, from what is told."""
-        own, quick, widest = self._careful.learner, self._quick.learner, told.covariance
+        own, quick, widest = self._careful.learner.learned, self._quick.learner.learned, told.covariance
         is_found = quick.last_load_change > max(own.last_load_change, self.time - MAX_DISTURBANCE_DURATION)
         others = [(quick, is_found or (quick.hypotheses is not None and self._undecided_since > own.last_load_change))]
         if self._open is not None:
-            others.append(
-                (self._open.learner, self._open.learner.hypotheses is not None and self._opened > own.last_load_change)
-            )
+            tried = self._open.learner.learned
+            others.append((tried, tried.hypotheses is not None and self._opened > own.last_load_change))
         for other in (one for one, doubts in others if doubts):
             off = other.theta - own.theta
             spread = other.reported_covariance + np.outer(off, off)
@@ -188,14 +187,15 @@ class DisturbedLearning:
         """What the quick one makes of a sample, and whether its word on a load is taken: where nothing was kept back
         meanwhile, or whoever has heard the most of what was deems a load the likeliest, too."""
         self._quick.take(sample)
-        quick, since = self._quick.learner, self._undecided_since
+        quick, since = self._quick.learner.learned, self._undecided_since
         if quick.hypotheses is not None:
             return
         if quick.last_load_change > self._told_load:
             self._told_load = quick.last_load_change
             judge = (self._open or self._careful).learner
-            may_be_load = judge.hypotheses is not None and judge.hypotheses.may_be_load
-            if judge.last_load_change < since and (self._kept_back < since or may_be_load):
+            hypotheses = judge.learned.hypotheses
+            may_be_load = hypotheses is not None and hypotheses.may_be_load
+            if judge.learned.last_load_change < since and (self._kept_back < since or may_be_load):
                 judge.note_load_change(since - MAX_ROW_DELAY)
                 self._go_on_with_open()
         self._undecided_since = sample.time
@@ -204,12 +204,12 @@ class DisturbedLearning:
         """What learns from all samples, until it is known whether there is another load. What others think of that,
         who have heard less, ends as soon as this one is sure of a push."""
         other.take(sample)
-        learner, careful = other.learner, self._careful.learner
-        if learner.last_load_change > self._opened:
+        tried, careful = other.learner.learned, self._careful.learner
+        if tried.last_load_change > self._opened:
             self._go_on_with_open()
-        elif learner.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
+        elif tried.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
             self._open = None
-        elif careful.hypotheses and learner.hypotheses and learner.hypotheses.is_surely_pushed:
+        elif careful.learned.hypotheses and tried.hypotheses and tried.hypotheses.is_surely_pushed:
             careful.note_push()
 
     def _go_on_with_open(self) -> None:
@@ -255,7 +255,7 @@ class DisturbedLearning:
         else where no load would by its inertia. A load does not turn nu' round: it explains the part that wrenches
         alone would make, and that is there."""
         time, k, was = observed.time, observed.k, self._disturbance is not None and self._disturbance.acts
-        unknown = self._careful.learner.covariance
+        unknown = self._careful.learner.learned.covariance
         squares, known = self._observer.squares(observed, memory, told.model_parameters, unknown)
         rolls, agreed, rigid = squares
         begins, stays = DISTURBANCE_ONSET_CHI2[k - 1], DISTURBANCE_END_CHI2[k - 1]

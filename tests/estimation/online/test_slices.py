@@ -27,7 +27,7 @@ def changes(log):
     core, found = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None)), []
     for sample in log.measurements():
         core.take(sample)
-        found.append(core.learner.theta)
+        found.append(core.learner.learned.theta)
     return [(k + 1, after) for k, (before, after) in enumerate(pairwise(found)) if after is not before]
 
 
@@ -49,16 +49,16 @@ def test_a_load_that_another_found_is_the_one_that_was_thought_of_since():
     core = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None))
     for sample in simulate_two_hands(TRUTH, duration=16.0, change=(8.0, LOADED)).measurements():
         core.take(sample)
-        if core.learner.hypotheses is not None and core.learner.hypotheses.rows > 8:
+        if core.learner.learned.hypotheses is not None and core.learner.learned.hypotheses.rows > 8:
             break
-    begun, loaded = core.learner.hypotheses.time, core.learner.hypotheses.if_loaded.concluded()
+    begun, loaded = core.learner.learned.hypotheses.time, core.learner.learned.hypotheses.if_loaded.concluded()
     assert begun > 8.0
     same, other = core.copy().learner, core.copy().learner
     same.note_load_change(begun - 1.0)
     other.note_load_change(begun + 1.0)
-    np.testing.assert_allclose(same.theta, loaded.theta, rtol=1e-9)
-    assert same.covariance[0, 0] < 0.25 * other.covariance[0, 0]
-    assert same.hypotheses is other.hypotheses is None
+    np.testing.assert_allclose(same.learned.theta, loaded.theta, rtol=1e-9)
+    assert same.learned.covariance[0, 0] < 0.25 * other.learned.covariance[0, 0]
+    assert same.learned.hypotheses is other.learned.hypotheses is None
 
 
 def test_a_push_that_another_found_is_no_load():
@@ -66,10 +66,10 @@ def test_a_push_that_another_found_is_no_load():
     core, heavy = core_of(checked_arguments(guess(), None, NOISE, KNOWN, None)), (72.0, *LOADED[1:])
     for sample in simulate_two_hands(TRUTH, duration=16.0, change=(8.0, heavy)).measurements():
         core.take(sample)
-        if core.learner.hypotheses is not None and core.learner.health == Health.LOAD_CHANGED:
+        if core.learner.learned.hypotheses is not None and core.learner.health == Health.LOAD_CHANGED:
             break
-    assert core.learner.hypotheses is not None
+    assert core.learner.learned.hypotheses is not None
     core.learner.note_push()
-    assert core.learner.hypotheses is None
+    assert core.learner.learned.hypotheses is None
     assert core.learner.health != Health.LOAD_CHANGED
-    assert abs(core.learner.theta[0] - TRUTH[0]) < 1.0
+    assert abs(core.learner.learned.theta[0] - TRUTH[0]) < 1.0
