@@ -4,9 +4,10 @@ from __future__ import annotations
 
 from pathlib import Path
 
+from ..studies.findings import Findings, Section
 from ..studies.log_diagnoses import COLUMNS, claims, diagnose_all, log_folders
 from .output import progress
-from .study_report import Findings, Section, finish, usual_workers
+from .study_report import finish, usual_workers
 
 
 def run(folder: Path, jobs: int | None, as_json: bool) -> int:

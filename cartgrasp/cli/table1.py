@@ -5,10 +5,11 @@ from __future__ import annotations
 from pathlib import Path
 
 from ..errors import UsageError
+from ..studies.findings import Findings, Section
 from ..studies.table1 import ROWS, Row, gain_curve, run_rows
 from ..studies.table1_report import comparison, paper_claims, row_claims, save_plots
 from .output import make_folder, progress
-from .study_report import Findings, Section, finish, usual_workers
+from .study_report import finish, usual_workers
 
 GAIN_SCALES = (1.0, 0.5, 0.25, 0.15, 0.1)
 ERROR_COLUMNS = ("test", "with estimation", "first guess kept", "literal filter")

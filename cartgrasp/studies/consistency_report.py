@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import product
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,11 +14,10 @@ from scipy.stats import chi2
 from estimation.prior import report_names
 
 from ..frames import Array
-from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .claims import Claim
 from .consistency import MATCHED_MODEL, MODELS, SQUARES, WRONG_MODEL, Trace, believed
 from .estimators import CONTROL_PERIOD
+from .findings import Claim, Findings, Section
 
 MIN_INSIDE_FRACTION = 0.9
 COLUMNS = ("model", "square", "by dimension, over all steps", "95 % band of a step", "steps inside")
@@ -88,6 +86,16 @@ def claims(runs: Sequence[dict[str, Trace]]) -> list[Claim]:
     return [*told, Claim(WRONG_MODEL, "fails the same test", f"worst share {worst:.1%}", worst < MIN_INSIDE_FRACTION)]
 
 
+def findings(runs: Sequence[dict[str, Trace]]) -> Findings:
+    promised = claims(runs)
+    sections = [
+        Section("Normalised squares, means over the runs", COLUMNS, rows(runs), left=2),
+        Section.of_claims("Claims", promised),
+        Section("Parameters: rms errors in standard deviations", SCORE_COLUMNS, score_rows(runs), left=2),
+    ]
+    return Findings(sections, {"squares": [as_dict(runs, *one) for one in product(MODELS, SQUARES)]}, promised)
+
+
 def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:
     """The consistency as `--json` has it."""
     found = consistency(runs, model, square)
@@ -107,11 +115,11 @@ def draw_square(axes: Axes, found: Consistency) -> None:
         axes.set_ylim(found.low - 1.5 * width, max(found.high + 1.5 * width, highest + 0.2 * width))
 
 
-def figure_consistency(runs: Sequence[dict[str, Trace]]) -> Figure:
+def figure(runs: Sequence[dict[str, Trace]]) -> Figure:
     """A page: squares down, models across."""
     with house_style():
-        figure = Figure(figsize=(7.2, 7.2), layout="constrained")
-        panels = figure.subplots(len(SQUARES), len(MODELS), sharex=True)
+        page = Figure(figsize=(7.2, 7.2), layout="constrained")
+        panels = page.subplots(len(SQUARES), len(MODELS), sharex=True)
         for row, square in zip(panels, SQUARES, strict=True):
             for axes, model in zip(row, MODELS, strict=True):
                 draw_square(axes, consistency(runs, model, square))
@@ -119,10 +127,5 @@ def figure_consistency(runs: Sequence[dict[str, Trace]]) -> Figure:
         for top, bottom, model in zip(panels[0], panels[-1], MODELS, strict=True):
             top.set_title(model)
             bottom.set_xlabel("Time (s)")
-        figure.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
-    return figure
-
-
-def save_plots(runs: Sequence[dict[str, Trace]], out: Path) -> Path:
-    """Writes `consistency.png` into a folder."""
-    return save_figure(figure_consistency(runs), out / "consistency.png")
+        page.legend(*panels[0, 0].get_legend_handles_labels(), loc="outside upper center", ncols=2)
+    return page

@@ -226,7 +226,7 @@ def _mass_error(case: Case, time: Array, mass: Array) -> float:
     return float(np.abs(mass / case.cart.phi_at(time)[:, 0] - 1.0)[counts].max())
 
 
-def run_cases(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Outcome]:
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Outcome]:
     """Each kind, seed and way, over `workers` processes."""
     jobs = [(Case(kind, seed), way) for seed in seeds for kind in DISTURBANCE_KINDS for way in WAYS]
     return run_all(attempt, jobs, workers, progress)

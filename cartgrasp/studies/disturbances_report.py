@@ -9,8 +9,8 @@ from itertools import product
 
 import numpy as np
 
-from .claims import Claim
 from .disturbances import CONTROL_PERIOD, DISTURBANCE_KINDS, OURS, WAYS, Outcome
+from .findings import Claim, Findings, Section
 
 COLUMNS = (
     *("kind", "way", "rms mm", "peak mm", "rms mrad", "peak mrad", "over 1 cm s", "rms force N"),
@@ -92,6 +92,13 @@ def claims(outcomes: Sequence[Outcome]) -> list[Claim]:
             found.append(Claim(kind, words, told, bool((pair <= MAX_PEER_RATIO).all())))
         found.append(Claim(kind, "the mass stays within 2 %", f"in {ours.kept:.0f} % of the runs", ours.kept == 100.0))
     return found
+
+
+def findings(outcomes: Sequence[Outcome]) -> Findings:
+    promised = claims(outcomes)
+    title = "Errors from the first disturbance on: rms over the runs, and the mean of their peaks"
+    sections = [Section(title, COLUMNS, rows(outcomes), left=2), Section.of_claims("Claims", promised)]
+    return Findings(sections, {"outcomes": [as_dict(one) for one in outcomes]}, promised)
 
 
 def as_dict(outcome: Outcome) -> dict[str, object]:

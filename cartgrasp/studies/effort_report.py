@@ -12,7 +12,6 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..view.plots import OKABE_ITO, house_style, legend_above
-from .claims import Claim
 from .effort import (
     BEST_PLACE,
     CHOSEN_PLACE,
@@ -29,6 +28,7 @@ from .effort import (
     RunCost,
     best_by_statics,
 )
+from .findings import Claim, Findings, Section
 
 STATIC_COM_OFFSETS, FORCE_ONLY_MOMENT_WEIGHT = (0.0, 0.05, 0.1, 0.15, 0.2), 1e4
 BASELINE, MAX_FORCE_RATIO = (LEARNED, MIDDLE_PLACE), 0.8
@@ -54,21 +54,23 @@ TRUCK_WAYS = (
 STATIC_TITLE = "What the best place leaves of the middle's rms force; effort, by statics, CoM aside by"
 
 
-def tables(found: Sequence[Comparison]) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
-    """Title, columns and rows of each."""
+def findings(found: Sequence[Comparison]) -> Findings:
+    promised = claims(found)
     truck_columns = ("truck", "error mm", *(", ".join(way) for way in TRUCK_WAYS))
     static_columns = ("hands", *(f"{100 * aside:g} cm" for aside in STATIC_COM_OFFSETS))
-    return [
-        (WAY_TITLE, WAY_COLUMNS, [_way_row(found, way) for way in product(KNOWLEDGE, GRIP_CHOICES)]),
-        (TRUCK_TITLE, truck_columns, [_truck_row(one) for one in found]),
-        (STATIC_TITLE, static_columns, [_static_row(hands, alone) for hands in HANDS for alone in (False, True)]),
+    static_rows = [_static_row(hands, alone) for hands in HANDS for alone in (False, True)]
+    sections = [
+        Section(WAY_TITLE, WAY_COLUMNS, [_way_row(found, way) for way in product(KNOWLEDGE, GRIP_CHOICES)]),
+        Section(TRUCK_TITLE, truck_columns, [_truck_row(one) for one in found]),
+        Section(STATIC_TITLE, static_columns, static_rows),
+        Section.of_claims("Claims", promised),
     ]
+    return Findings(sections, {"runs": [as_dict(one) for one in found]}, promised)
 
 
-def shares(found: Sequence[Comparison], figure: str, way: tuple[str, str], aside: float = 0.0) -> list[float]:
-    """A figure as shares of what the learned cart pays in the middle. Only trucks that reach its error count, with the
-    CoM at least so far aside (m)."""
-    every = [one.share(figure, way, BASELINE) for one in found if one.job.aside >= aside]
+def shares(found: Sequence[Comparison], figure: str, way: tuple[str, str]) -> list[float]:
+    """A figure as shares of what the learned cart pays in the middle. Only trucks that reach its error count."""
+    every = [one.share(figure, way, BASELINE) for one in found]
     return [share for share in every if isfinite(share)]
 
 

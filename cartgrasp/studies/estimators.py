@@ -158,7 +158,7 @@ def attempt(job: Job) -> Trial:
     return Trial(job, {way: answer(driven, way, noise) for way in WAYS})
 
 
-def run_trials(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Trial]:
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Trial]:
     """Each path with each sensors and seed, over `workers` processes."""
     jobs = [Job(path, sensors, seed) for path in PATHS for sensors in SENSOR_SETS for seed in seeds]
     return run_all(attempt, jobs, workers, progress)

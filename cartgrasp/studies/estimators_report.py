@@ -11,8 +11,8 @@ import numpy as np
 from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..inertia import physical_from_phi
-from .claims import Claim
 from .estimators import FILTER, IDENTIFY, PATHS, REGRESSOR, SENSOR_SETS, WAYS, Trial, truth
+from .findings import Claim, Findings, Section
 
 COLUMNS = ("path, sensors", "estimator", "mass kg", "bias kg", "CoM x cm", "CoM y cm", "inertia kg·m²", "z")
 MOTION_COLUMNS = ("path, sensors", "estimator", "u mm/s", "r mrad/s", "µs a row")
@@ -132,6 +132,20 @@ def claims(trials: Sequence[Trial]) -> list[Claim]:
             worst < 1.0,
         ),
     ]
+
+
+def findings(trials: Sequence[Trial]) -> Findings:
+    promised = claims(trials)
+    better = "When which is better: errors of the filter over those of the regressor"
+    errors = "Rms errors at the end (mean error of the mass beside), and rms errors in standard deviations (z)"
+    motion = "Rms errors of the motion on the way, and the time of a row"
+    sections = [
+        Section(better, BETTER_COLUMNS, better_rows(trials), left=2),
+        Section.of_claims("Claims", promised),
+        Section(errors, COLUMNS, rows(trials), left=2),
+        Section(motion, MOTION_COLUMNS, motion_rows(trials), left=2),
+    ]
+    return Findings(sections, {"trials": [as_dict(trial) for trial in trials]}, promised)
 
 
 def as_dict(trial: Trial) -> dict[str, object]:

@@ -8,7 +8,9 @@ teaches does not depend on what there is to learn, only its effort does.
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass
+from itertools import islice, product
 
 import numpy as np
 
@@ -125,11 +127,10 @@ class Drive:
         return max(float(r.tracking_error[r.time >= 5.0].max()) for r in self.records)
 
 
-def run_ways(seeds: int, first_seed: int = 0, workers: int = 1, progress: Progress = None) -> list[Drive]:
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Drive]:
     """Every way with every seed, over `workers` processes."""
-    jobs = [(way, first_seed + i) for way in WAYS for i in range(seeds)]
-    records = run_all(_drive, jobs, workers, progress)
-    return [Drive(way, tuple(records[i * seeds : (i + 1) * seeds])) for i, way in enumerate(WAYS)]
+    records = iter(run_all(_drive, list(product(WAYS, seeds)), workers, progress))
+    return [Drive(way, tuple(islice(records, len(seeds)))) for way in WAYS]
 
 
 def drive(way: str, seed: int, duration: float | None = None) -> RunRecord:

@@ -3,7 +3,6 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
@@ -15,9 +14,7 @@ from ..first_guess import PHYSICAL_NAMES
 from ..frames import Array
 from ..inertia import physical_jacobian
 from ..information import phi_covariance
-from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .claims import Claim
 from .excitation import (
     ALLOWANCES,
     CHOSEN_WAY,
@@ -30,6 +27,7 @@ from .excitation import (
     scenario,
     way_information,
 )
+from .findings import Claim, Findings, Section
 
 COLUMNS = ("way", *PHYSICAL_NAMES, "effort N²·s", "tracking cm")
 PRICE_COLUMNS = ("allowed N²", "weave cm", *PHYSICAL_NAMES, "effort N²·s")
@@ -119,6 +117,17 @@ def claims(drives: Sequence[Drive]) -> list[Claim]:
     ]
 
 
+def findings(drives: Sequence[Drive]) -> Findings:
+    promised = claims(drives)
+    allowances = "What an allowance buys: standard deviations foretold (criterion D; kg, m, m, kg·m²)"
+    sections = [
+        Section("Standard deviations at the end (kg, m, m, kg·m²)", COLUMNS, rows(drives)),
+        Section(allowances, PRICE_COLUMNS, price_rows()),
+        Section.of_claims("Claims", promised),
+    ]
+    return Findings(sections, {"ways": [as_dict(drive) for drive in drives]}, promised)
+
+
 def as_dict(drive: Drive) -> dict[str, object]:
     """For `--json`."""
     foretold = bounds(drive.way).tolist()
@@ -165,19 +174,14 @@ def draw_paths(axes: Axes, drives: Sequence[Drive]) -> None:
     axes.set(xlabel="Time (s)", ylabel="Left of the path (cm)")
 
 
-def figure_excitation(drives: Sequence[Drive]) -> Figure:
+def figure(drives: Sequence[Drive]) -> Figure:
     """A page: each parameter's standard deviation, the effort, and how far off the path."""
     with house_style():
-        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
-        axes = figure.subplots(3, 2).ravel()
+        page = Figure(figsize=(7.2, 5.6), layout="constrained")
+        axes = page.subplots(3, 2).ravel()
         for panel, parameter in zip(axes, PHYSICAL_NAMES, strict=False):
             draw_deviations(panel, drives, parameter)
         draw_effort(axes[4], drives)
         draw_paths(axes[5], drives)
-        figure.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
-    return figure
-
-
-def save_plots(drives: Sequence[Drive], out: Path) -> Path:
-    """Writes `excitation.png` into a folder."""
-    return save_figure(figure_excitation(drives), out / "excitation.png")
+        page.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
+    return page

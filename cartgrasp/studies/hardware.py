@@ -8,6 +8,7 @@ hand; a run is what sensors would have made of that, so that what scatters is th
 
 from __future__ import annotations
 
+from collections.abc import Sequence
 from dataclasses import dataclass, replace
 from functools import partial
 
@@ -170,15 +171,15 @@ def reversal_times(driven: Drive) -> Array:
     return np.asarray(CONTROL_PERIOD * at_speed[1:][np.diff(np.sign(u[at_speed])) != 0])
 
 
-def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
-    """One drive, many recordings."""
+def attempt(experiment: Experiment, seeds: Sequence[int]) -> Outcome:
+    """One drive, a recording for each seed."""
     driven = drive(experiment)
     mass, std, errors = [], [], []
-    for i in range(runs):
+    for seed in seeds:
         estimator = CartFilter(
             experiment.guess, [HAND], noise=FILTER_NOISE, prior=PRIOR, least_speed=MIN_LEARNING_SPEED
         )
-        log = record(experiment, driven, seed + i + SEED_STRIDE * round(experiment.mass))
+        log = record(experiment, driven, seed + SEED_STRIDE * round(experiment.mass))
         found = [estimator.update(row).parameters["mass"] for row in log.measurements()]
         mass.append([one.value for one in found])
         std.append([one.std for one in found])
@@ -196,6 +197,6 @@ def attempt(experiment: Experiment, runs: int, seed: int) -> Outcome:
     )
 
 
-def run_experiments(runs: int, seed: int = 0, workers: int = 1, progress: Progress = None) -> list[Outcome]:
-    """All of them, over `workers` processes."""
-    return run_all(partial(attempt, runs=runs, seed=seed), EXPERIMENTS, workers, progress)
+def run_seeds(seeds: Sequence[int], workers: int = 1, progress: Progress = None) -> list[Outcome]:
+    """All experiments, over `workers` processes."""
+    return run_all(partial(attempt, seeds=seeds), EXPERIMENTS, workers, progress)

@@ -3,16 +3,14 @@
 from __future__ import annotations
 
 from collections.abc import Sequence
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..frames import Array
-from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .claims import Claim
+from .findings import Claim, Findings, Section
 from .hardware import HEAVY_EXPERIMENTS, REVERSAL_EXPERIMENTS, STRAIGHT_EXPERIMENTS, WITH_CASTERS, Experiment, Outcome
 
 COLUMNS = (
@@ -141,6 +139,18 @@ def _of(outcomes: Sequence[Outcome], experiments: Sequence[Experiment]) -> list[
     return [outcome for outcome in outcomes if outcome.experiment in experiments]
 
 
+def findings(outcomes: Sequence[Outcome]) -> Findings:
+    promised, papers = claims(outcomes), paper_claims(outcomes)
+    sections = [
+        Section("Mass, and rms errors of the rest", COLUMNS, rows(outcomes), left=2),
+        Section("E5: the mass after each reversal", REVERSAL_COLUMNS, reversal_rows(outcomes)),
+        Section.of_claims("The paper's claims", papers),
+        Section.of_claims("This project's promises", promised),
+    ]
+    experiments = [as_dict(outcome) for outcome in outcomes]
+    return Findings(sections, {"paper": [claim.as_dict() for claim in papers], "experiments": experiments}, promised)
+
+
 def as_dict(outcome: Outcome) -> dict[str, object]:
     """For `--json`."""
     return {
@@ -176,12 +186,12 @@ def draw_mass(axes: Axes, outcome: Outcome) -> None:
     axes.set_title(", ".join(dict.fromkeys((outcome.experiment.name, f"{mass:g} kg", outcome.experiment.casters))))
 
 
-def figure_hardware(outcomes: Sequence[Outcome]) -> Figure:
+def figure(outcomes: Sequence[Outcome]) -> Figure:
     """A page, two experiments a row."""
     with house_style():
         n_rows = (len(outcomes) + 1) // 2
-        figure = Figure(figsize=(7.2, 1.9 * n_rows), layout="constrained")
-        panels = figure.subplots(n_rows, 2).ravel()
+        page = Figure(figsize=(7.2, 1.9 * n_rows), layout="constrained")
+        panels = page.subplots(n_rows, 2).ravel()
         for axes, outcome in zip(panels, outcomes, strict=False):
             draw_mass(axes, outcome)
             axes.set(xlabel="Time (s)", ylabel="Mass (kg)")
@@ -190,10 +200,5 @@ def figure_hardware(outcomes: Sequence[Outcome]) -> Figure:
         labelled = {
             label: line for axes in panels for line, label in zip(*axes.get_legend_handles_labels(), strict=True)
         }
-        figure.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=len(labelled))
-    return figure
-
-
-def save_plots(outcomes: Sequence[Outcome], out: Path) -> Path:
-    """Writes `hardware.png` into a folder."""
-    return save_figure(figure_hardware(outcomes), out / "hardware.png")
+        page.legend(labelled.values(), labelled.keys(), loc="outside upper center", ncols=len(labelled))
+    return page

@@ -18,7 +18,7 @@ from ..cart_file import load_cart
 from ..errors import CartgraspError, UsageError
 from ..logs import read_log
 from ..writing import write_atomically
-from .claims import Claim
+from .findings import Claim
 from .parallel import Progress, run_all
 
 COLUMNS = ("log", "verdict", "effects", "s")

@@ -5,16 +5,14 @@ from __future__ import annotations
 from collections.abc import Sequence
 from dataclasses import dataclass
 from itertools import pairwise
-from pathlib import Path
 
 import numpy as np
 from matplotlib.axes import Axes
 from matplotlib.figure import Figure
 
 from ..frames import Array
-from ..view.figures import save_figure
 from ..view.plots import OKABE_ITO, house_style
-from .claims import Claim
+from .findings import Claim, Findings, Section
 from .robust_margins import CONFIDENCE, LAP_TIMES, LIMIT_TOLERANCE, WAYS, Run
 
 COLUMNS = ("lap", "sd of CoM x cm", "largest margin N", *(f"broken, {way} %" for way in WAYS[:2]), "effort", "paid")
@@ -83,6 +81,13 @@ def claims(runs: Sequence[Run]) -> list[Claim]:
     ]
 
 
+def findings(runs: Sequence[Run]) -> Findings:
+    promised = claims(runs)
+    title = "Margins while the load is learned (at hard ticks; effort in N²)"
+    sections = [Section(title, COLUMNS, rows(runs)), Section.of_claims("Claims", promised)]
+    return Findings(sections, {"runs": [as_dict(one) for one in runs]}, promised)
+
+
 def as_dict(run: Run) -> dict[str, object]:
     """For `--json`."""
     return {
@@ -138,21 +143,16 @@ def draw_effort(axes: Axes, runs: Sequence[Run]) -> None:
     axes.set(xlabel="Time (s)", ylabel="Effort (N²)")
 
 
-def figure_robust_margins(runs: Sequence[Run]) -> Figure:
+def figure(runs: Sequence[Run]) -> Figure:
     """A page: margins, what is left to the true limits, effort; grey where the path curves."""
     with house_style():
-        figure = Figure(figsize=(7.2, 5.6), layout="constrained")
-        axes = figure.subplots(3, 1, sharex=True)
+        page = Figure(figsize=(7.2, 5.6), layout="constrained")
+        axes = page.subplots(3, 1, sharex=True)
         for panel, draw in zip(axes, (draw_reserve, draw_room, draw_effort), strict=True):
             panel.axvspan(LAP_TIMES[2], LAP_TIMES[-1], color="0.94", zorder=0)
             draw(panel, runs)
             panel.label_outer()
         for start, stop, path in ((0.0, LAP_TIMES[2], "straight"), (LAP_TIMES[2], LAP_TIMES[-1], "curved")):
             axes[0].text((start + stop) / 2, 0.97, path, transform=axes[0].get_xaxis_transform(), ha="center", va="top")
-        figure.legend(*axes[2].get_legend_handles_labels(), loc="outside upper center", ncols=3)
-    return figure
-
-
-def save_plots(runs: Sequence[Run], out: Path) -> Path:
-    """Writes `robust.png` into a folder."""
-    return save_figure(figure_robust_margins(runs), out / "robust.png")
+        page.legend(*axes[2].get_legend_handles_labels(), loc="outside upper center", ncols=3)
+    return page

@@ -10,7 +10,7 @@ import numpy as np
 from matplotlib.figure import Figure
 
 from ..view.plots import OKABE_ITO, house_style
-from .claims import Claim
+from .findings import Claim, Findings, Section
 from .robust_margins import CONFIDENCE, LIMIT_TOLERANCE
 from .safety import BLIND, CONFIDENT, ESTIMATED, MIN_WHEEL_LOAD, TRUTH_KNOWN, WAYS, Run
 
@@ -22,9 +22,11 @@ TITLE = (
 COLUMNS = ("way", "carts", "broken", "fell", "by at most N", "wheel off", "effort", "of known", "arrived", "later s")
 
 
-def tables(runs: Sequence[Run]) -> list[tuple[str, tuple[str, ...], list[tuple[str, ...]]]]:
-    """Title, columns and rows."""
-    return [(TITLE, COLUMNS, [_row(runs, way) for way in WAYS])]
+def findings(runs: Sequence[Run]) -> Findings:
+    promised = claims(runs)
+    table = Section(TITLE, COLUMNS, [_row(runs, way) for way in WAYS])
+    sections = [table, Section.of_claims("Claims", promised)]
+    return Findings(sections, {"runs": [as_dict(one) for one in runs]}, promised)
 
 
 def claims(runs: Sequence[Run]) -> list[Claim]:

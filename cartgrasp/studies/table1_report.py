@@ -18,7 +18,7 @@ from ..frames import Array
 from ..simulation.record import RunRecord
 from ..view.figures import save_figure
 from ..view.plots import BLACK, OKABE_ITO, YELLOW, house_style
-from .claims import Claim
+from .findings import Claim
 from .scenario import FIRST_GUESS, LEARNING, PAPER
 from .table1 import ESTIMATION_MODES, MASS_STEPS, Row, RowResult
 

@@ -51,7 +51,7 @@ class Trial:
 
 
 def study(name: str, options: str, slow: str) -> Trial:
-    return Trial(f"study {name} {options} --out o", (f"o/{name}.md",), slow=f"cli.{name}.{slow}")
+    return Trial(f"study {name} {options} --out o", (f"o/{name}.md",), slow=slow)
 
 
 STUDY = """\
@@ -79,15 +79,15 @@ TRIALS = [
     Trial("discrepancy long.csv --cart cart.yaml --out o", REPORT, slow="cli.discrepancy.diagnose"),
     Trial("demo --quick --out o", ("o/run.csv", "o/true_cart.yaml"), slow=RUN),
     Trial("campaign study.yaml --workers 1 --out o", ("o/campaign.json", "o/campaign.png"), slow=RUNS),
-    study("table1", "--rows 4", "run_rows"),
-    study("excitation", "--seeds 1", "run_ways"),
-    study("robust", "--seeds 1", "run_seeds"),
-    study("effort", "--seeds 1", "run_seeds"),
-    study("safety", "--seeds 1", "run_seeds"),
-    study("disturbances", "--runs 1", "run_cases"),
-    study("estimators", "--seeds 2", "run_trials"),
-    study("consistency", "--runs 2", "run_seeds"),
-    study("hardware", "--runs 2", "run_experiments"),
+    study("table1", "--rows 4", "cli.table1.run_rows"),
+    study("excitation", "--seeds 1", "studies.excitation.run_seeds"),
+    study("robust", "--seeds 1", "studies.robust_margins.run_seeds"),
+    study("effort", "--seeds 1", "studies.effort.run_seeds"),
+    study("safety", "--seeds 1", "studies.safety.run_seeds"),
+    study("disturbances", "--runs 1", "studies.disturbances.run_seeds"),
+    study("estimators", "--seeds 2", "studies.estimators.run_seeds"),
+    study("consistency", "--runs 2", "studies.consistency.run_seeds"),
+    study("hardware", "--runs 2", "studies.hardware.run_seeds"),
 ]
 
 

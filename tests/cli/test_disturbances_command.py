@@ -6,7 +6,7 @@ import pytest
 
 from cartgrasp.studies import disturbances
 from cartgrasp.studies import disturbances_report as merits
-from cartgrasp.studies.claims import Claim
+from cartgrasp.studies.findings import Claim
 
 from .commands import run
 
@@ -14,7 +14,7 @@ from .commands import run
 @pytest.mark.parametrize(("holds", "status"), [(True, 0), (False, 1)])
 def test_it_is_wired(capsys, monkeypatch, tmp_path, holds, status):
     asked = []
-    monkeypatch.setattr(disturbances, "run_cases", lambda seeds, workers, tell: asked.extend(seeds) or ["one"])
+    monkeypatch.setattr(disturbances, "run_seeds", lambda seeds, workers, tell: asked.extend(seeds) or ["one"])
     monkeypatch.setattr(merits, "claims", lambda runs: [Claim("push", "less", "0.5", holds)])
     monkeypatch.setattr(merits, "rows", lambda runs: [("push", "ours", *"123456789")])
     monkeypatch.setattr(merits, "as_dict", lambda one: {"way": one})

@@ -214,7 +214,7 @@ def test_demo_is_wired(capsys, monkeypatch, tmp_path, as_json):
 @pytest.mark.parametrize(("holds", "status"), [(True, 0), (False, 1)])
 @pytest.mark.parametrize("as_json", [True, False])
 def test_table1_is_wired(capsys, monkeypatch, tmp_path, holds, status, as_json):
-    from cartgrasp.studies.claims import Claim
+    from cartgrasp.studies.findings import Claim
 
     claim = Claim("test 5", "mass within 5 %", "3 %", holds)
     asked = {}

@@ -7,17 +7,17 @@ import pytest
 from matplotlib.figure import Figure
 
 from cartgrasp.studies import effort, effort_report, safety, safety_report
-from cartgrasp.studies.claims import Claim
+from cartgrasp.studies.findings import Claim, Findings, Section
 
 from .commands import run
 
-REPORT = {
-    "tables": lambda found: [("By word", ("word", "length"), [(one, str(len(one))) for one in found])],
-    "claims": lambda found: [Claim("here", "less", "0.5", found == ["one", "other"])],
-    "as_dict": lambda one: {"word": one, "margin": np.pi},
-    "figure": lambda found: Figure(),
-}
-"""Of runs that are words."""
+
+def findings(found):
+    """Of runs that are words."""
+    promised = [Claim("here", "less", "0.5", found == ["one", "other"])]
+    table = Section("By word", ("word", "length"), [(one, str(len(one))) for one in found])
+    runs = [{"word": one, "margin": np.pi} for one in found]
+    return Findings([table, Section.of_claims("Claims", promised)], {"runs": runs}, promised)
 
 
 @pytest.mark.parametrize("found", [["one", "other"], ["none"]])
@@ -31,8 +31,8 @@ def test_they_are_wired(capsys, monkeypatch, tmp_path, study, report, found, as_
         return found
 
     monkeypatch.setattr(study, "run_seeds", run_seeds)
-    for name, function in REPORT.items():
-        monkeypatch.setattr(report, name, function)
+    monkeypatch.setattr(report, "findings", findings)
+    monkeypatch.setattr(report, "figure", lambda found: Figure())
     name, out = study.__name__.rpartition(".")[2], tmp_path / "x"
     flags = ["--json"] if as_json else []
     answer = run(capsys, "study", name, "--seeds", "2", "--seed", "7", "--out", out, *flags)

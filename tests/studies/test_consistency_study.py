@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 from scipy.stats import chi2
 
-from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.consistency import (
     MATCHED_MODEL,
     MODELS,
@@ -22,11 +21,13 @@ from cartgrasp.studies.consistency_report import (
     SCORE_COLUMNS,
     claims,
     consistency,
+    figure,
+    findings,
     rows,
-    save_plots,
     score_rows,
 )
 from cartgrasp.studies.estimators import guess
+from cartgrasp.studies.findings import all_kept
 
 DIMENSIONS = dict(zip(SQUARES, (5, 7, 3, 2), strict=True))
 
@@ -50,7 +51,7 @@ def drawn_traces(n, wrong=3.0, seed=1):
     return told
 
 
-def test_figures(tmp_path):
+def test_figures():
     runs = drawn_traces(30)
     found = consistency(runs, MATCHED_MODEL, MOTION_NEES)
     assert chi2.cdf(150 * found.low, 150) == pytest.approx(0.025)
@@ -59,7 +60,8 @@ def test_figures(tmp_path):
     assert found.inside == pytest.approx(0.95, abs=0.04)
     assert {len(row) for row in rows(runs)} == {len(COLUMNS)}
     assert {len(row) for row in score_rows(runs)} == {len(SCORE_COLUMNS)}
-    assert save_plots(runs, tmp_path).stat().st_size > 1000
+    assert len(figure(runs).axes) == len(SQUARES) * len(MODELS)
+    assert len(findings(runs).document["squares"]) == len(SQUARES) * len(MODELS)
 
 
 def test_claims_can_fail():

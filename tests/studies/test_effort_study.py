@@ -92,7 +92,7 @@ def test_its_figures():
             {**paid, (WRONG_GUESS_KEPT, MIDDLE_PLACE): replace(first, gain=8.0, error=0.02, force=12.0)},
         ),
     ]
-    ways, trucks, statics = (rows for _, _, rows in effort_report.tables(found))
+    ways, trucks, statics, _ = (section.rows for section in effort_report.findings(found).sections)
     assert ways[0] == ("wrong guess kept, middle", "1 of 3", "1.00", *["1.00"] * 5, "10.00×", "1")
     assert trucks[0][2] == "10.0, 2.00 (20, 4.0)"
     assert (trucks[1][2], trucks[2][2]) == ("falls", "[20.0 mm]")

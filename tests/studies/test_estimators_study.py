@@ -5,8 +5,7 @@ import pytest
 
 from cartgrasp.first_guess import PHYSICAL_NAMES as PHYSICAL
 from cartgrasp.motion import ParameterEstimate
-from cartgrasp.studies.claims import all_kept
-from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive_cart, run_trials, truth
+from cartgrasp.studies.estimators import PATHS, SENSOR_SETS, WAYS, Answer, Job, Trial, drive_cart, run_seeds, truth
 from cartgrasp.studies.estimators_report import (
     BETTER_COLUMNS,
     COLUMNS,
@@ -14,10 +13,12 @@ from cartgrasp.studies.estimators_report import (
     as_dict,
     better_rows,
     claims,
+    findings,
     motion_rows,
     rows,
     score,
 )
+from cartgrasp.studies.findings import all_kept
 
 TRUE = (24.0, 0.28, 0.06, 2.2)
 
@@ -73,6 +74,7 @@ def test_figures():
     assert {len(row) for row in better} == {len(BETTER_COLUMNS)}
     assert {row[2:] for row in better} == {(*["2.00"] * 4, "0.50", "0.67", "regressor", "filter")}
     assert all_kept(claims(trials))
+    assert [section.title[:6] for section in findings(trials).sections] == ["When w", "Claims", "Rms er", "Rms er"]
     assert as_dict(trials[0])["answers"]["identify"]["parameters"]["mass"]["std"] == pytest.approx(0.24)
     assert truth().inertia.mass == TRUE[0]
 
@@ -87,5 +89,5 @@ def test_claims_can_fail(off):
 
 @pytest.mark.prove
 def test_every_claim_is_kept():
-    kept = claims(run_trials(range(50, 54)))
+    kept = claims(run_seeds(range(50, 54)))
     assert all_kept(kept), [claim for claim in kept if not claim.holds]

@@ -4,7 +4,6 @@ import numpy as np
 import pytest
 
 from cartgrasp.roles import ContactQuery
-from cartgrasp.studies.claims import all_kept
 from cartgrasp.studies.excitation import (
     ALLOWANCES,
     E_MOTION,
@@ -14,9 +13,10 @@ from cartgrasp.studies.excitation import (
     Drive,
     drive,
     excitation,
-    run_ways,
+    run_seeds,
 )
-from cartgrasp.studies.excitation_report import COLUMNS, as_dict, bounds, claims, figure_excitation, rows
+from cartgrasp.studies.excitation_report import COLUMNS, as_dict, bounds, claims, figure, rows
+from cartgrasp.studies.findings import all_kept
 
 
 def test_what_the_references_can_teach():
@@ -45,12 +45,12 @@ def test_a_short_drive_holds_where_it_was_planned():
     assert one.effort[-1] == pytest.approx(paid)
     assert len(rows([one])[0]) == len(COLUMNS)
     assert as_dict(one)["way"] == E_MOTION
-    assert len(figure_excitation([one]).axes) == 6
+    assert len(figure([one]).axes) == 6
 
 
 @pytest.mark.prove
 def test_every_claim_is_kept():
-    drives = run_ways(seeds=3, first_seed=50)
+    drives = run_seeds(range(50, 53))
     assert [d.way for d in drives] == list(WAYS)
     kept = claims(drives)
     assert all_kept(kept), [claim for claim in kept if not claim.holds]

@@ -5,13 +5,13 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.studies.claims import all_kept
+from cartgrasp.studies.findings import all_kept
 from cartgrasp.studies.robust_margins import LIMIT_TOLERANCE, PRIOR, Run, believed, drawn, drive, run_seeds
 from cartgrasp.studies.robust_margins_report import (
     COLUMNS,
     as_dict,
     claims,
-    figure_robust_margins,
+    figure,
     laps,
     rows,
 )
@@ -52,7 +52,7 @@ def test_its_figures(stop):
     kept = {claim.what: claim.holds for claim in claims([run])}
     assert kept == {"99 % margins": True, "no margins": True, "learning": False, "effort": False, "proof": True}
     assert as_dict(run)["laps"][0]["broken"] == {"no margins": 1.0, "99 % margins": 0.0, "cart known": 0.0}
-    assert len(figure_robust_margins([run, run]).axes) == 3
+    assert len(figure([run, run]).axes) == 3
 
 
 @pytest.mark.prove

@@ -20,7 +20,7 @@ from cartgrasp.studies.safety import (
     drawn,
     drive,
 )
-from cartgrasp.studies.safety_report import as_dict, claims, figure, tables
+from cartgrasp.studies.safety_report import as_dict, claims, figure, findings
 
 
 def test_carts_that_are_drawn():
@@ -60,7 +60,7 @@ def test_its_figures():
     runs = [replace(good, way=way) for way in WAYS] + [
         replace(good if way == CONFIDENT else bad, way=way) for way in WAYS
     ]
-    rows = {row[0]: row[1:] for row in tables(runs)[0][2]}
+    rows = {row[0]: row[1:] for row in findings(runs).sections[0].rows}
     assert rows[BLIND] == ("2", "1", "1", "2.0", "1", "100", "1.00", "1", "+0.00")
     assert rows[CONFIDENT][:3] == ("2", "0", "0")
     assert [claim.holds for claim in claims(runs)] == [True] * 5

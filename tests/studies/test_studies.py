@@ -5,7 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
-from cartgrasp.studies.claims import all_kept
+from cartgrasp.studies.findings import all_kept
 from cartgrasp.studies.run_figures import RunFigures
 from cartgrasp.studies.scenario import FIRST_GUESS, LEARNING, PAPER
 from cartgrasp.studies.shopping_cart import scenario as demo_scenario
