@@ -11,7 +11,6 @@ from ..checks import brief, check_kind, digits, rows
 from ..errors import DataError, UsageError
 from ..frames import PLANAR, Array
 from ..motion import Measurement
-from .stamp_rounding import stamp_rounding
 
 POSE_COLUMNS = ("x", "y", "theta")
 VELOCITY_COLUMNS = ("vx", "vy", "omega")
@@ -198,6 +197,12 @@ class RunLog:
             },
             name=name,
         )
+
+
+def stamp_rounding(time: Array) -> float:
+    """By how much a difference of two of these times (n,), s, may be off because they are rounded: of unix time doubles
+    hold a quarter of a microsecond, so that even steps differ."""
+    return float(np.spacing(np.abs(time).max()))
 
 
 def _present(row: Array) -> Array | None:

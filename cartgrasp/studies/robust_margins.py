@@ -12,6 +12,7 @@ from __future__ import annotations
 from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from functools import partial
+from typing import Any
 
 import numpy as np
 
@@ -68,55 +69,24 @@ def drawn(seed: int) -> CartModel:
 
 
 @dataclass(frozen=True, eq=False)
-class Tick:
-    """One tick; sequences are in the order of WAYS. `room` is how far the true cart is inside its limits (N; negative:
-    beyond), `at_limit` whether a limit of the cart was active. Also the margins' largest `reserve` (N), and the
-    filter's deviation of the CoM (m)."""
-
-    time: float
-    statuses: tuple[str, ...]
-    efforts: Array
-    room: Array
-    at_limit: tuple[bool, ...]
-    reserve: float
-    com_x_std: float
-
-
-@dataclass(frozen=True, eq=False)
 class Run:
-    """One cart, pushed and learned."""
+    """One cart, pushed and learned, n ticks; ways are in the order of WAYS. `room` (n, ways) is how far the true cart
+    is inside its limits (N; negative: beyond), `at_limit` (n, ways) whether a limit of the cart was active; efforts
+    (n, ways) are in N². Also the margins' largest `reserve` (n,), N, and the filter's deviation of the CoM (n,), m."""
 
     seed: int
-    ticks: tuple[Tick, ...]
-
-    @property
-    def time(self) -> Array:
-        return np.array([tick.time for tick in self.ticks])
-
-    @property
-    def room(self) -> Array:
-        """(n, ways), N."""
-        return np.array([tick.room for tick in self.ticks])
-
-    @property
-    def efforts(self) -> Array:
-        """(n, ways), N²."""
-        return np.array([tick.efforts for tick in self.ticks])
-
-    @property
-    def reserve(self) -> Array:
-        """(n,), N."""
-        return np.array([tick.reserve for tick in self.ticks])
-
-    @property
-    def com_x_std(self) -> Array:
-        """(n,), m."""
-        return np.array([tick.com_x_std for tick in self.ticks])
+    time: Array
+    statuses: np.ndarray
+    efforts: Array
+    room: Array
+    at_limit: np.ndarray
+    reserve: Array
+    com_x_std: Array
 
     @property
     def is_hard(self) -> np.ndarray:
         """(n,): the plan without margins, or that of the known cart, is at a limit of the cart."""
-        return np.array([tick.at_limit[0] or tick.at_limit[2] for tick in self.ticks])
+        return np.asarray(self.at_limit[:, 0] | self.at_limit[:, 2])
 
 
 def drive(seed: int, duration: float | None = None) -> Run:
@@ -142,19 +112,20 @@ def drive(seed: int, duration: float | None = None) -> Run:
         learner.update(sensors.wrenches(time, given))
         plant.step(given, CONTROL_PERIOD)
         ticks.append(_tick(truth, motion, plans, estimate))
-    return Run(seed, tuple(ticks))
+    return Run(seed, *map(np.array, zip(*ticks, strict=True)))
 
 
-def _tick(truth: CartModel, motion: Motion, plans: Sequence[Plan], estimate: Estimate) -> Tick:
+def _tick(truth: CartModel, motion: Motion, plans: Sequence[Plan], estimate: Estimate) -> tuple[Any, ...]:
+    """One row of each part of a `Run`, in its order."""
     given = [plan.contact_wrenches for plan in plans]
-    return Tick(
-        time=estimate.time,
-        statuses=tuple(plan.status for plan in plans),
-        efforts=np.array([effort_of(one.wrenches) for one in given]),
-        room=np.array([room(truth, motion, one.spatial_wrench_b, MIN_MARGIN_LOAD) for one in given]),
-        at_limit=tuple(any("skid" in name or "wheel" in name for name in plan.active) for plan in plans),
-        reserve=_reserve(plans[1]),
-        com_x_std=estimate.parameters["com_x"].std,
+    return (
+        estimate.time,
+        [plan.status for plan in plans],
+        [effort_of(one.wrenches) for one in given],
+        [room(truth, motion, one.spatial_wrench_b, MIN_MARGIN_LOAD) for one in given],
+        [any("skid" in name or "wheel" in name for name in plan.active) for plan in plans],
+        _reserve(plans[1]),
+        estimate.parameters["com_x"].std,
     )
 
 

@@ -61,7 +61,7 @@ def claims(runs: Sequence[Run]) -> list[Claim]:
     broken = np.concatenate([run.room < -LIMIT_TOLERANCE for run in runs])[hard]
     share, plain = float(broken[:, 1].mean()), float(broken[:, 0].mean())
     shrunk = found[-1].reserve / found[0].reserve
-    unproven = sum(tick.statuses[1] not in ("optimal", "relaxed") for run in runs for tick in run.ticks)
+    unproven = sum(status not in ("optimal", "relaxed") for run in runs for status in run.statuses[:, 1])
     return [
         Claim(
             WAYS[1],

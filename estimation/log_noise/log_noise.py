@@ -13,7 +13,7 @@ from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.errors import DataError
 from cartgrasp.frames import Array, unwrapped
 from cartgrasp.logs import RunLog
-from cartgrasp.logs.body_poses import at_body
+from cartgrasp.logs.alignment import at_body
 from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise

@@ -14,7 +14,7 @@ from benchmarks.sealed.world import R, U, W
 from cartgrasp.effects import KNOWN_EFFECTS, PoseOffset
 from cartgrasp.effects.effect import HandMotion
 from cartgrasp.logs import RunLog
-from cartgrasp.logs.body_poses import at_body
+from cartgrasp.logs.alignment import at_body
 
 
 def test_they_are_a_group_beside_the_others():

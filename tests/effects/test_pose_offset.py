@@ -11,7 +11,7 @@ from hypothesis import given
 from cartgrasp.effects import ContactOffset, PoseOffset, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.logs import RunLog
-from cartgrasp.logs.body_poses import at_body
+from cartgrasp.logs.alignment import at_body
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement, Motion
 from cartgrasp.simulation.sensors import SensorNoise, Sensors

@@ -6,7 +6,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.studies.findings import all_kept
-from cartgrasp.studies.robust_margins import LIMIT_TOLERANCE, PRIOR, Run, believed, drawn, drive, run_seeds
+from cartgrasp.studies.robust_margins import LIMIT_TOLERANCE, PRIOR, believed, drawn, drive, run_seeds
 from cartgrasp.studies.robust_margins_report import (
     COLUMNS,
     as_dict,
@@ -33,19 +33,19 @@ def test_a_first_stop(stop):
     assert np.abs(stop.room[hard, 2]).max() < LIMIT_TOLERANCE, "the known cart is planned to its limit"
     assert stop.efforts[hard, 1].mean() > 1.1 * stop.efforts[hard, 2].mean()
     assert stop.reserve[hard].min() > 10.0
-    assert {status for tick in stop.ticks for status in tick.statuses} <= {"optimal", "relaxed"}
+    assert set(stop.statuses.ravel()) <= {"optimal", "relaxed"}
     assert stop.com_x_std[-1] > 0.5 * PRIOR.com, "a straight line does not teach it"
 
 
 def test_its_figures(stop):
     """The same stop six times over fills the laps; what is said of them is counted here by hand."""
-    ticks = [replace(stop.ticks[i % 80], time=0.01 * i) for i in range(480)]
-    run = Run(5, tuple(ticks))
-    hard = [tick for tick in stop.ticks if tick.at_limit[0] or tick.at_limit[2]]
+    again = {name: np.concatenate([part] * 6) for name, part in vars(stop).items() if name != "seed"}
+    run = replace(stop, **again | {"time": 0.01 * np.arange(480)})
+    hard = [i for i, at_limit in enumerate(stop.at_limit) if at_limit[0] or at_limit[2]]
     whole = laps([run])[0]  # 80 ticks and 20 more, before it brakes
-    assert whole.reserve == pytest.approx(max(tick.reserve for tick in hard))
+    assert whole.reserve == pytest.approx(max(stop.reserve[i] for i in hard))
     assert whole.broken.tolist() == [1.0, 0.0, 0.0]
-    paid = sum(t.efforts[1] for t in ticks[:100]) / sum(t.efforts[2] for t in ticks[:100]) - 1
+    paid = sum(run.efforts[:100, 1]) / sum(run.efforts[:100, 2]) - 1
     assert whole.paid == pytest.approx(paid)
     assert [row[0] for row in rows([run])] == ["1 straight", "2 straight", "3 curved", "4 curved"]
     assert {len(row) for row in rows([run])} == {len(COLUMNS)}
