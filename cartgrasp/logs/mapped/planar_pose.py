@@ -52,5 +52,5 @@ def spline_velocity(time: Array, pose: Array, noise: tuple[float, float, float],
             continue
         rows = (at >= time[part.start]) & (at <= time[part.stop - 1])
         for k in range(3):
-            found[rows, k] = spline_at_noise(time[part], pose[part, k], noise[k]).slope_at(at[rows])
+            found[rows, k] = spline_at_noise(time[part], pose[part, k], noise[k])(at[rows], 1)
     return found

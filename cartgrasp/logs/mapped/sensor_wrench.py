@@ -9,20 +9,9 @@ from __future__ import annotations
 import numpy as np
 
 from ...frames import Array, adjoint
+from ...spatial_pose import SpatialPose
 from ...wheels import GRAVITY
 from .run_map import ArmEntry, ToolEntry
-
-
-def rotation_of(rpy: list[float]) -> Array:
-    """R = Rz(yaw) Ry(pitch) Rx(roll), as URDF has it."""
-    (cr, cp, cy), (sr, sp, sy) = np.cos(rpy), np.sin(rpy)
-    return np.array(
-        [
-            [cy * cp, cy * sp * sr - sy * cr, cy * sp * cr + sy * sr],
-            [sy * cp, sy * sp * sr + cy * cr, sy * sp * cr - cy * sr],
-            [-sp, cp * sr, cp * cr],
-        ]
-    )
 
 
 def tool_weight(tool: ToolEntry, rotation_af: Array) -> Array:
@@ -35,12 +24,16 @@ def on_cart(readings: Array, arm: ArmEntry) -> Array:
     """Readings (n, 6) in {f} as what the arm does to the cart, in {f}."""
     wrench = -readings if arm.force == "on_sensor" else readings
     if arm.tool is not None:
-        wrench = wrench + tool_weight(arm.tool, rotation_of(arm.sensor.rpy))
+        wrench = wrench + tool_weight(arm.tool, _pose_af(arm).rotation)
     return wrench
 
 
 def at_contact(wrench_f: Array, arm: ArmEntry) -> Array:
     """Wrenches (n, 6) in {f}, in {a}."""
-    rotation_fa = rotation_of(arm.sensor.rpy).T
-    position_fa = -rotation_fa @ np.array(arm.sensor.position)
-    return np.asarray(wrench_f @ adjoint(rotation_fa, position_fa))
+    pose_af = _pose_af(arm)
+    rotation_fa = pose_af.rotation.T
+    return np.asarray(wrench_f @ adjoint(rotation_fa, -rotation_fa @ pose_af.position))
+
+
+def _pose_af(arm: ArmEntry) -> SpatialPose:
+    return SpatialPose.of(arm.sensor.position, *arm.sensor.rpy)

@@ -7,34 +7,24 @@ derivatives c, `g = y - lam Q c`. lam minimises the unbiased estimate of risk, `
 
 from __future__ import annotations
 
-from dataclasses import dataclass
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ...frames import Array
+
+if TYPE_CHECKING:
+    from scipy.interpolate import CubicSpline
 
 MIN_SPLINE_SAMPLES = 8
 MAX_SMOOTHING_DECADE, MIN_SMOOTHING_DECADE = 14.0, -4.0
 """Decades of lam / h³ that are searched."""
 
 
-@dataclass(frozen=True)
-class Spline:
-    """Knots (n,), values (n,) and slopes (n,) there."""
-
-    knots: Array
-    value: Array
-    slope: Array
-
-    def slope_at(self, time: Array) -> Array:
-        from scipy.interpolate import CubicHermiteSpline
-
-        return np.asarray(CubicHermiteSpline(self.knots, self.value, self.slope).derivative()(time))
-
-
-def spline_at_noise(time: Array, values: Array, noise: float) -> Spline:
+def spline_at_noise(time: Array, values: Array, noise: float) -> CubicSpline[np.float64]:
     """The smoothing spline of samples (n,) at increasing times (n,), n >= 3, whose noise has the standard deviation
-    `noise`."""
+    `noise`: the natural spline through its own values."""
+    from scipy.interpolate import CubicSpline
     from scipy.optimize import minimize_scalar
 
     step = (time[-1] - time[0]) / (len(time) - 1)
@@ -47,8 +37,7 @@ def spline_at_noise(time: Array, values: Array, noise: float) -> Spline:
 
     decades = MIN_SMOOTHING_DECADE, MAX_SMOOTHING_DECADE
     best = minimize_scalar(risk, bounds=decades, method="bounded", options={"xatol": 0.02})
-    knots, value, slope = system.spline(10.0**best.x)
-    return Spline(time[0] + step * knots, value, slope / step)
+    return CubicSpline(time, system.smoothed(10.0**best.x), bc_type="natural")
 
 
 def _freedom(count: int, decade: float) -> float:
@@ -61,7 +50,7 @@ class SplineSystem:
     (n,) at knots (n,) with a mean step of 1."""
 
     def __init__(self, knots: Array, values: Array) -> None:
-        self.knots, self.values = knots, values
+        self.values = values
         h = np.diff(knots)
         a, c = 1 / h[:-1], 1 / h[1:]
         b = -(a + c)
@@ -82,18 +71,11 @@ class SplineSystem:
 
     def spread(self, curvature: Array) -> Array:
         """Q c, (n,)."""
-        found = np.zeros(len(self.knots))
+        found = np.zeros(len(self.values))
         for k, diagonal in enumerate(self.diagonals):
             found[k : len(found) - 2 + k] += diagonal * curvature
         return found
 
-    def spline(self, smoothing: float) -> tuple[Array, Array, Array]:
-        curvature = self.curvature(smoothing)
-        value = self.values - smoothing * self.spread(curvature)
-        second = np.concatenate([[0.0], curvature, [0.0]])
-        h = np.diff(self.knots)
-        secant = np.diff(value) / h
-        slope = np.append(secant, secant[-1])
-        slope[:-1] -= h * (2 * second[:-1] + second[1:]) / 6
-        slope[-1] += h[-1] * (second[-2] + 2 * second[-1]) / 6
-        return self.knots, value, slope
+    def smoothed(self, smoothing: float) -> Array:
+        """The spline's values at the knots, (n,)."""
+        return np.asarray(self.values - smoothing * self.spread(self.curvature(smoothing)))
