@@ -16,9 +16,9 @@ from rosbags.rosbag2 import Writer as Ros2Writer
 from rosbags.typesys import Stores, get_typestore
 
 from cartgrasp.logs import ArmLog, RunLog, read_log, write_log
-from cartgrasp.logs.bags import open_bag
 from cartgrasp.logs.bags.bag import Message
 from cartgrasp.logs.bags.messages import COVARIANCE_SIZE, NS_PER_S, ODOMETRY_TYPE, decode
+from cartgrasp.logs.bags.opening import open_bag
 
 from .report import Result, Table, number
 

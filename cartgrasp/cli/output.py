@@ -153,7 +153,7 @@ def check_writable(path: Path, *inputs: Path | None, option: str = "--out") -> N
         if any(one and os.path.exists(one) and path.exists() and path.samefile(one) for one in inputs):
             raise UsageError(f"{option} {path}: is read by this command; name another file")
         for folder in (one for one in inputs if one and os.path.isdir(one)):
-            from ..logs import STORAGES  # with numpy
+            from ..logs.bags.bag import STORAGES  # with numpy
 
             is_inside = path.exists() and path.resolve().is_relative_to(folder.resolve())
             if is_inside and path.suffix in STORAGES:

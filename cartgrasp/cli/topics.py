@@ -7,8 +7,8 @@ from pathlib import Path
 
 from ..errors import UsageError, printable
 from ..logs import TABLES
-from ..logs.bags import open_bag
 from ..logs.bags.contents import contents_of, proposed_map
+from ..logs.bags.opening import open_bag
 from ..writing import write_atomically
 from .output import check_writable, print_json, print_table, say
 

@@ -10,6 +10,7 @@ from typing import TYPE_CHECKING
 
 from ..checks import check_kind
 from ..errors import CartgraspError, LogError, Place, UsageError
+from .bags.bag import BAG_SUFFIXES, STORAGES
 from .coasting import coasts, said_to_coast
 from .csv_log import read_csv, write_csv
 from .emps import read_emps
@@ -19,8 +20,6 @@ from .run_log import ArmLog, RunLog
 if TYPE_CHECKING:
     from .mapped.reading import MapReading
 
-STORAGES = (".mcap", ".db3")
-BAGS = (*STORAGES, ".bag")
 TABLES = (".csv", ".tsv", ".txt", ".parquet")
 MAP_SUFFIX = ".topics.yaml"
 """Behind the name of a bag or a table it is the name of its map."""
@@ -28,7 +27,7 @@ READERS: dict[str, Callable[[Path], RunLog]] = {".csv": read_csv, ".parquet": re
 
 
 def _write_mcap(log: RunLog, path: Path) -> Path:
-    from .bags import write_mcap
+    from .bags.writing import write_mcap
 
     return write_mcap(log, path)
 
@@ -66,7 +65,7 @@ def read_log(path: str | Path, topics: str | Path | None = None) -> RunLog:
     if path.is_dir():
         raise LogError(Place(str(path)), "", "is a folder; name the log in it")
     if reader is None:
-        known = ", ".join([*READERS, *BAGS])
+        known = ", ".join([*READERS, *STORAGES, ".bag"])
         raise LogError(Place(str(path)), "", f"unknown kind of log {path.suffix!r}; known are {known}")
     if not path.is_file():
         raise LogError(Place(str(path)), "", "there is no such file")
@@ -77,13 +76,13 @@ def read_mapped(path: Path, topics: str | Path | None, salvage: bool = False) ->
     """With how it came about, of what is read through a map: every bag, and a table that has one (`topics`, else the
     one beside it)."""
     if is_bag_name(path):
-        from .bags import read_bag
+        from .bags.opening import read_bag
 
         return read_bag(path, topics, salvage)
     if path.suffix.lower() in TABLES and not path.is_dir():
         own = path.with_name(f"{path.name}{MAP_SUFFIX}")
         if topics is not None or os.path.isfile(own):  # which says no where the name is too long for a file
-            from .tables import read_table_log
+            from .tables.source import read_table_log
 
             return read_table_log(path, own if topics is None else topics)
     elif topics is not None:
@@ -94,7 +93,7 @@ def read_mapped(path: Path, topics: str | Path | None, salvage: bool = False) ->
 def files_of(path: Path, topics: Path | None) -> tuple[Path, ...]:
     """What a log is read from: its file, its map, and the tables that the map names. A map that is wrong names none."""
     if is_bag_name(path):
-        from .bags import map_path_of
+        from .bags.opening import map_path_of
 
         map_path = topics or map_path_of(path)
         return (path,) if map_path is None else (path, map_path)
@@ -102,7 +101,7 @@ def files_of(path: Path, topics: Path | None) -> tuple[Path, ...]:
     map_path = topics or (own if os.path.isfile(own) else None)
     if map_path is None or path.suffix.lower() not in TABLES:
         return (path,)
-    from .tables import tables_beside
+    from .tables.table_map import tables_beside
 
     with suppress(CartgraspError):  # which is told when it is read
         return (path, map_path, *tables_beside(path, map_path))
@@ -116,7 +115,7 @@ def is_bag_name(path: Path) -> bool:
             return (path / "metadata.yaml").is_file() or any(p.suffix.lower() in STORAGES for p in path.iterdir())
     except OSError as error:
         raise LogError(Place(str(path)), "", f"can't be read: {error.strerror or error}") from error
-    return path.suffix.lower() in BAGS
+    return path.suffix.lower() in BAG_SUFFIXES
 
 
 def write_log(log: RunLog, path: str | Path) -> Path:

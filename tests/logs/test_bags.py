@@ -11,7 +11,7 @@ from rosbags.rosbag2 import CompressionFormat, CompressionMode
 
 from cartgrasp.errors import CartgraspError, FileError, LogError, UsageError
 from cartgrasp.logs import read_log, write_log
-from cartgrasp.logs.bags import read_bag
+from cartgrasp.logs.bags.opening import read_bag
 
 from . import bag_files as files
 from .bag_files import MAP, force_of, path_of, push, stamp

@@ -106,8 +106,9 @@ def test_a_wrench_that_is_known_to_be_zero(log):
 
 def test_a_bag_without_wrenches(tmp_path):
     """Its map says that there are no arms; a map that does not speak of arms is refused."""
-    from cartgrasp.logs.bags import load_topic_map, open_bag
     from cartgrasp.logs.bags.contents import contents_of, proposed_map
+    from cartgrasp.logs.bags.opening import open_bag
+    from cartgrasp.logs.bags.topic_map import load_topic_map
 
     bag = files.write_folder(tmp_path / "bag", [m for m in files.push() if m[0] == "/odom"])
     proposal = proposed_map(contents_of(open_bag(bag)), "bag")

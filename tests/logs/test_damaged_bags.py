@@ -11,8 +11,8 @@ from hypothesis import strategies as st
 
 from cartgrasp.errors import CartgraspError, LogError
 from cartgrasp.logs import read_log
-from cartgrasp.logs.bags import open_bag, read_bag
 from cartgrasp.logs.bags.messages import DECODERS
+from cartgrasp.logs.bags.opening import open_bag, read_bag
 from cartgrasp.logs.bags.whole_bag import ROS1_SUMS
 
 from . import bag_files as files

@@ -8,8 +8,8 @@ from mcap.writer import Writer as McapWriter
 
 from cartgrasp.errors import FileError, LogError
 from cartgrasp.logs import read_log
-from cartgrasp.logs.bags import open_bag, read_bag
 from cartgrasp.logs.bags.messages import ODOMETRY_TYPE, TF_TYPE, WRENCH_TYPE, Sample, encode, encode_transforms
+from cartgrasp.logs.bags.opening import open_bag, read_bag
 
 from . import bag_files as files
 from .bag_files import MAP, push, stamp

@@ -8,7 +8,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.errors import FileError, LogError
-from cartgrasp.logs.bags import read_bag
+from cartgrasp.logs.bags.opening import read_bag
 
 from . import bag_files as files
 from .bag_files import TF, WRENCH, force_of, path_of, stamp

@@ -14,7 +14,7 @@ from ...frames import Array, unwrapped
 from ..csv_log import clock_fault
 from ..mapped.planar_pose import MAX_TILT, QUATERNION_NORM_TOLERANCE
 from ..mapped.processing_steps import ProcessingSteps
-from ..mapped.reading import MappedSamples
+from ..mapped.reading import MappedSamples, MapReading
 from ..mapped.timed_samples import MAX_MEASUREMENT, MapPlace, TimedSamples, step_figures
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
 from .table_file import Table, read_table
@@ -28,8 +28,14 @@ from .table_map import (
     TimeEntry,
     Value,
     dimension_of,
+    load_table_map,
 )
 from .units import UNITS, unit_of
+
+
+def read_table_log(path: Path, topics: str | Path) -> MapReading:
+    """A table's log with how it came about."""
+    return TableSource(path, load_table_map(topics)).read().log()
 
 
 @dataclass

@@ -15,7 +15,7 @@ from typing import Annotated, Literal
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap
 
-from ...yaml_file import StrictModel, file_error, parse_yaml, read_yaml, validate
+from ...yaml_file import StrictModel, file_error, read_yaml, validate
 from ..csv_log import PAGE
 from ..mapped.run_map import ArmEntry, Location, MapFile, Mistake, Number, PoseEntry, Positive, RunMap, Triple
 from ..run_log import CONTACT_COLUMNS, POSE_COLUMNS, VELOCITY_COLUMNS, WRENCH_COLUMNS
@@ -147,12 +147,24 @@ class TableMap(RunMap):
 TableMapFile = MapFile[TableMap]
 
 
+def tables_beside(path: Path, topics: str | Path) -> list[Path]:
+    """The tables that a table's map names as `file:`."""
+    map_ = load_table_map(topics).map
+    return [path.parent / part.file for part in (map_.pose, *map_.arms.values()) if part.file is not None]
+
+
 def load_table_map(path: str | Path) -> TableMapFile:
-    return _map_file(read_yaml(path), str(path))
-
-
-def table_map_from_text(text: str, name: str = "topics.yaml") -> TableMapFile:
-    return _map_file(parse_yaml(text, name), name)
+    document, name = read_yaml(path), str(path)
+    pose = document.get("pose")
+    if isinstance(pose, CommentedMap) and "topic" in pose:
+        why = "is for bags, and a table is no bag; a table's map names columns: `cartgrasp topics FILE` proposes one"
+        raise file_error(document, name, ("pose", "topic"), why)
+    unsure = [
+        (where, f"{said} {GUESS_NOTE if i else GUESS_ERROR}") for i, (where, said) in enumerate(guesses(document))
+    ]
+    if document.get("arms", 0) is None:
+        unsure.append((("arms",), ARMS_NOT_STATED))
+    return MapFile(TableMap, without_marks(document, name), name, PAGE, unsure)
 
 
 @dataclass(frozen=True)
@@ -171,19 +183,6 @@ def open_questions(document: CommentedMap, name: str) -> list[Question]:
         found.append(Question(("arms",), None, ARMS_NOT_STATED))
     model = validate(TableMap, without_marks(deepcopy(document), name), name)
     return [*found, *(Question(where, None, why) for where, why in model.mistakes())]
-
-
-def _map_file(document: CommentedMap, name: str) -> TableMapFile:
-    pose = document.get("pose")
-    if isinstance(pose, CommentedMap) and "topic" in pose:
-        why = "is for bags, and a table is no bag; a table's map names columns: `cartgrasp topics FILE` proposes one"
-        raise file_error(document, name, ("pose", "topic"), why)
-    unsure = [
-        (where, f"{said} {GUESS_NOTE if i else GUESS_ERROR}") for i, (where, said) in enumerate(guesses(document))
-    ]
-    if document.get("arms", 0) is None:
-        unsure.append((("arms",), ARMS_NOT_STATED))
-    return MapFile(TableMap, without_marks(document, name), name, PAGE, unsure)
 
 
 def _of_part(where: Location, part: TablePart) -> Iterator[Mistake]:
