@@ -37,6 +37,7 @@ HEALTH_CHECK_STEPS = 10
 TIME_TOLERANCE = 1e-9
 """s: times closer than this are one."""
 SETTLE_TIME = 0.2
+_grasp_map = lru_cache(maxsize=64)(grasp_map_spatial)
 
 
 # Many methods: half are the `Plant` role and what it may measure; the rest is one physics step in its parts, which
@@ -285,8 +286,3 @@ def _wrench_b(wrenches: ContactWrenches) -> Array:
         position = np.asarray(wrenches.contacts[arm], dtype=float)
         total += _grasp_map(tuple(position.tolist()), float(wrenches.yaws.get(arm, 0.0))) @ wrench_a
     return total
-
-
-@lru_cache(maxsize=64)
-def _grasp_map(position_b: tuple[float, ...], yaw: float) -> Array:
-    return grasp_map_spatial(position_b, yaw)

@@ -9,7 +9,7 @@ from __future__ import annotations
 import struct
 from collections.abc import Callable, Sequence
 from dataclasses import dataclass
-from functools import cached_property
+from functools import cached_property, partial
 from typing import NamedTuple
 
 WRENCH_TYPE = "geometry_msgs/msg/WrenchStamped"
@@ -108,15 +108,9 @@ def decode(raw: bytes, kind: str, is_ros1: bool) -> list[Sample]:
     return samples
 
 
-def _wrench(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
+def _stamped_numbers(count: int, raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
     stamp, frame, at = wire.header(raw, wire.start)
-    numbers, at = wire.numbers(raw, at, 6)
-    return [Sample(stamp, frame, "", numbers)], at
-
-
-def _pose(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
-    stamp, frame, at = wire.header(raw, wire.start)
-    numbers, at = wire.numbers(raw, at, 7)
+    numbers, at = wire.numbers(raw, at, count)
     return [Sample(stamp, frame, "", numbers)], at
 
 
@@ -142,8 +136,8 @@ def _transforms(raw: bytes, wire: Wire) -> tuple[list[Sample], int]:
 
 
 DECODERS: dict[str, Callable[[bytes, Wire], tuple[list[Sample], int]]] = {
-    WRENCH_TYPE: _wrench,
-    POSE_TYPE: _pose,
+    WRENCH_TYPE: partial(_stamped_numbers, 6),
+    POSE_TYPE: partial(_stamped_numbers, 7),
     ODOMETRY_TYPE: _odometry,
     TF_TYPE: _transforms,
     OLD_TF_TYPE: _transforms,
