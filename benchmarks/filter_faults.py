@@ -32,7 +32,8 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate
 from cartgrasp.studies import shopping_cart
 from cartgrasp.studies.consistency import PRIOR, drawn_cart, exact_noise
-from cartgrasp.studies.estimators import HANDS, PATHS, SENSOR_SETS, Drive, Job, drive_cart, filter_noise, guess
+from cartgrasp.studies.estimators import HANDS, PATHS, SENSOR_SETS, Drive, Job, drive_cart, guess
+from cartgrasp.studies.scenario import filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log

@@ -23,7 +23,8 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Motion
 from cartgrasp.simulation.pushed_plant import Push
-from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, PATHS, SENSOR_SETS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, PATHS, SENSOR_SETS, Job, drive_cart
+from cartgrasp.studies.scenario import filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter
 from estimation.whole_log.replay import replay

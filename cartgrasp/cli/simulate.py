@@ -9,7 +9,6 @@ from pathlib import Path
 
 import numpy as np
 
-from estimation import FilterNoise
 from planning import CartLimit, Caution, Choosing, RegraspTimes, Skid, TipOver
 from planning.contact_sources.strategies import FIXED
 from planning.limits.robust import RobustLimits
@@ -25,7 +24,7 @@ from ..reference_file import StoredReference, read_reference
 from ..simulation.sensors import SensorNoise
 from ..studies.named_paths import named_path
 from ..studies.run_figures import RunFigures
-from ..studies.scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario
+from ..studies.scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario, filter_noise
 from ..studies.shopping_cart import FIRM_GAINS
 from .artefacts import save_run
 from .output import make_folder, print_json, progress, say
@@ -86,16 +85,7 @@ def build_scenario(choice: Choice) -> Scenario:
     way, arms = _way(choice, truth.constraints), _arms(choice.arms)
     moment = choice.force_noise / 20
     sensors = SensorNoise(force=choice.force_noise, moment=moment)
-    noise = FilterNoise(
-        position=sensors.position,
-        heading=sensors.heading,
-        linear_velocity=sensors.linear_velocity,
-        yaw_rate=sensors.yaw_rate,
-        force=choice.force_noise,
-        moment=moment,
-        disturbance=0.1,
-        slip=0.0005 if choice.plant == MUJOCO_PLANT else 0.0002,
-    )
+    slip = 0.0005 if choice.plant == MUJOCO_PLANT else 0.0002
     return Scenario(
         truth=truth,
         guess=guess,
@@ -110,7 +100,7 @@ def build_scenario(choice: Choice) -> Scenario:
         stretches=way.stretches,
         start_pose=way.start,
         sensors=sensors,
-        noise=noise,
+        noise=filter_noise(sensors, disturbance=0.1, slip=slip),
         estimation=LEARNING if choice.learn else FIRST_GUESS,
         plant=choice.plant,
         gains=FIRM_GAINS,

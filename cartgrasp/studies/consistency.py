@@ -21,8 +21,9 @@ from ..effects import RollingResistance, ViscousDrag
 from ..frames import Array, wrap_angle
 from ..inertia import N_PHI, Inertia, physical_from_phi
 from ..model import CartModel
-from .estimators import HANDS, SENSOR_SETS, Drive, Job, drive_cart, filter_noise, guess
+from .estimators import HANDS, SENSOR_SETS, Drive, Job, drive_cart, guess
 from .parallel import run_all
+from .scenario import filter_noise
 
 DURATION = 12.0
 """s: up to where the cart stops."""
@@ -72,7 +73,7 @@ def believed(model: str) -> tuple[CartModel, Prior]:
 
 def exact_noise(sensors: str) -> FilterNoise:
     """What the simulation adds, and nothing else."""
-    return replace(filter_noise(SENSOR_SETS[sensors]), disturbance=0.0, slip=0.0)
+    return filter_noise(SENSOR_SETS[sensors], disturbance=0.0, slip=0.0)
 
 
 def follow(drive: Drive, cart: CartModel, model: str, noise: FilterNoise) -> Trace:

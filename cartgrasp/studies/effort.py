@@ -35,11 +35,10 @@ from ..information import WrenchNoise
 from ..model import CartModel
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
-from ..wheels import CASTER, FIXED, Wheel
 from .parallel import Progress, run_all
 from .run_figures import RunFigures
 from .scenario import FIRST_GUESS, LEARNING, MUJOCO_PLANT, Scenario, scaled
-from .shopping_cart import FILTER_NOISE, SENSOR_NOISE
+from .shopping_cart import FILTER_NOISE, SENSOR_NOISE, four_wheels
 
 MASSES, COM_OFFSETS, HANDS = (15.0, 40.0, 80.0), (0.0, 0.1, 0.2), (1, 2)
 WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED = "wrong guess kept", "usual load kept", "learned"
@@ -48,10 +47,7 @@ KNOWLEDGE = (WRONG_GUESS_KEPT, USUAL_LOAD_KEPT, LEARNED)
 MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE = "middle", "best", "chosen"
 GRIP_CHOICES = (MIDDLE_PLACE, BEST_PLACE, CHOSEN_PLACE)
 """Held in the middle of the handle; where the whole path costs least by the truth; chosen in the loop."""
-WHEELS = (
-    *(Wheel(FIXED, 0.0, y) for y in (0.32, -0.32)),
-    *(Wheel(CASTER, 0.8, y, trail=0.045) for y in (0.3, -0.3)),
-)
+WHEELS = four_wheels(0.32, 0.8, 0.3)
 HANDLE_X, HEIGHT = -0.25, 1.0
 LEFT_GRIPS = (0.15, -0.05, 0.05, 0.25, 0.35)
 GRIPS: dict[int, dict[str, tuple[float, ...]]] = {

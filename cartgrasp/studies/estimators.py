@@ -32,6 +32,7 @@ from ..simulation.plant import ModelPlant
 from ..simulation.pushed_plant import PushedPlant, PushSource, no_pushes
 from ..simulation.sensors import SensorNoise, Sensors
 from .parallel import Progress, run_all
+from .scenario import filter_noise
 
 CONTROL_PERIOD = 0.01
 MOTION_SETTLING_TIME = 1.0
@@ -128,13 +129,6 @@ def shared(wrench_b: Array) -> ContactWrenches:
     forces = np.linalg.solve(levers, wrench_b[[0, 2]])
     wrenches = {name: np.array([force, 0, 0, 0, 0, 0]) for name, force in zip(HANDS, forces, strict=True)}
     return ContactWrenches(wrenches, contacts)
-
-
-def filter_noise(sensors: SensorNoise) -> FilterNoise:
-    """What an estimator is told."""
-    s = sensors
-    known = (s.position, s.heading, s.linear_velocity, s.yaw_rate, s.force, s.moment)
-    return FilterNoise(*known, disturbance=0.02, slip=0.0001)
 
 
 def answer(driven: Drive, way: str, noise: FilterNoise) -> Answer:

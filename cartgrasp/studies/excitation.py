@@ -31,9 +31,8 @@ from ..model import CartModel
 from ..roles import ContactQuery, ContactSource, ReferencePath
 from ..simulation.closed_loop import run
 from ..simulation.record import RunRecord
-from .estimators import filter_noise
 from .parallel import Progress, run_all
-from .scenario import Scenario, with_truth
+from .scenario import Scenario, filter_noise, with_truth
 from .shopping_cart import SENSOR_NOISE
 
 DWELL_TIME = 3.0

@@ -14,7 +14,7 @@ from functools import partial
 
 import numpy as np
 
-from estimation import CartFilter, FilterNoise, Prior
+from estimation import CartFilter, Prior
 from planning.references import PathReference, Stretch, chain, pause, speed_change, straight, turn
 from planning.tracking import build_tracker
 
@@ -31,12 +31,13 @@ from ..motion import Measurement, Motion
 from ..simulation.sensors import SensorNoise, Sensors
 from .motion_bound import TrueMotion, information_of
 from .parallel import Progress, run_all
+from .scenario import filter_noise
 from .shopping_cart import FIRM_GAINS, WHEELS
 
 CONTROL_PERIOD = 0.01
 HAND, HAND_POINT = "hand", (-0.25, 0.0, 1.0)
 SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15)
-FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.01, 0.01, 3.0, 0.15, disturbance=0.05)
+FILTER_NOISE = filter_noise(SENSOR_NOISE, disturbance=0.05, slip=0.0002)
 PRIOR = Prior(mass=0.6, com=0.15, inertia=0.6, effects=0.5)
 JUMP_PROBABILITY, JUMP_STD = 0.01, 0.3
 """Share of velocities that jump, and by how much (m/s, rad/s)."""

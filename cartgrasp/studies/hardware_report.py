@@ -175,7 +175,7 @@ def draw_mass(axes: Axes, outcome: Outcome) -> None:
     runs = axes.plot(outcome.time, outcome.mass[:10].T, color=OKABE_ITO[0], linewidth=0.4, alpha=0.6)
     runs[0].set_label("runs")
     mean, std = outcome.mass.mean(axis=0), outcome.std.mean(axis=0)
-    low, high = mean - 1.96 * std, mean + 1.96 * std
+    low, high = mean - COVERAGE_95_SIGMAS * std, mean + COVERAGE_95_SIGMAS * std
     axes.fill_between(outcome.time, low, high, color=OKABE_ITO[1], alpha=0.2, linewidth=0, label="95 % intervals, mean")
     axes.axhline(mass, color="black", linewidth=0.8, label="truth")
     for i, time in enumerate(outcome.reversals):

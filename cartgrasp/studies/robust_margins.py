@@ -30,8 +30,8 @@ from ..model import CartModel
 from ..motion import Estimate, Motion
 from ..simulation.plant import ModelPlant
 from ..simulation.sensors import Sensors
-from .estimators import filter_noise
 from .parallel import run_all
+from .scenario import filter_noise
 from .shopping_cart import SENSOR_NOISE, WHEELS, two_hands
 
 NOMINAL, ROBUST, CART_KNOWN = "no margins", "99 % margins", "cart known"

@@ -30,11 +30,10 @@ from ..motion import Motion
 from ..simulation.closed_loop import Loop, run
 from ..simulation.mujoco_plant import MujocoPlant
 from ..simulation.sensors import Sensors
-from ..wheels import CASTER, FIXED, Wheel
 from .parallel import Progress, run_all
 from .robust_margins import CONFIDENCE, FRICTION, LIMIT_TOLERANCE, effort_of, room
 from .scenario import FIRST_GUESS, LEARNING, Scenario
-from .shopping_cart import FILTER_NOISE, SENSOR_NOISE, two_hands
+from .shopping_cart import FILTER_NOISE, SENSOR_NOISE, four_wheels, two_hands
 
 BLIND, GUESSED, ESTIMATED, CONFIDENT, TRUTH_KNOWN = (
     *("no limits", "limits of the first guess", "limits of the estimate"),
@@ -51,10 +50,7 @@ LIMITS = (TipOver(MIN_WHEEL_LOAD), Skid(FRICTION))
 ARMS = two_hands(0.2, (150.0, 80.0, 80.0), (15.0, 15.0, 15.0))
 DISTURBANCE = 0.5
 """N: what the filter is told that its model lacks: loads that lean, and casters that swing round."""
-WHEELS = (
-    *(Wheel(FIXED, 0.0, y) for y in (0.3, -0.3)),
-    *(Wheel(CASTER, 0.72, y, trail=0.045) for y in (0.28, -0.28)),
-)
+WHEELS = four_wheels(0.3, 0.72, 0.28)
 MASS_RANGE, COM_X_RANGE, COM_Y_RANGE, HEIGHT_RANGE = (10.0, 100.0), (0.1, 0.6), (-0.15, 0.15), (0.5, 1.0)
 MIN_REST_LOAD_RATIO = 2.0
 """Times its least load that each wheel of a drawn cart carries at rest."""

@@ -29,6 +29,8 @@ from ..simulation.sensors import SensorNoise, Sensors
 LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
 DEFAULT_CHOOSING = Choosing()
 MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"
+SHARED_NOISE_KEYS = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
+"""What filter and sensors both have."""
 
 
 @dataclass(frozen=True)
@@ -128,6 +130,12 @@ def with_truth(record: RunRecord, truth: CartModel) -> RunRecord:
                 values[key] = np.full(n, value)
     parameters = {name: replace(series, truth=values.get(name)) for name, series in record.parameters.items()}
     return replace(record, parameters=parameters)
+
+
+def filter_noise(sensors: SensorNoise, **own: float) -> FilterNoise:
+    """What an estimator is told of sensors, and what is its `own`: unless that is given, its model lacks little."""
+    shared = {name: getattr(sensors, name) for name in SHARED_NOISE_KEYS}
+    return FilterNoise(**{"disturbance": 0.02, "slip": 0.0001} | shared | own)
 
 
 def total_duration(stretches: Sequence[Stretch]) -> float:

@@ -4,7 +4,6 @@ from __future__ import annotations
 
 import numpy as np
 
-from estimation import FilterNoise
 from planning import Choosing
 from planning.contact_sources.strategies import LEAST_EFFORT
 from planning.references import Stretch, chain, pause, straight, turn
@@ -17,14 +16,16 @@ from ..inertia import Inertia
 from ..model import CartModel
 from ..simulation.sensors import SensorNoise
 from ..wheels import CASTER, FIXED, Wheel
-from .scenario import MUJOCO_PLANT, Scenario
+from .scenario import MUJOCO_PLANT, Scenario, filter_noise
 
-WHEELS = (
-    Wheel(FIXED, 0.0, 0.27),
-    Wheel(FIXED, 0.0, -0.27),
-    Wheel(CASTER, 0.72, 0.2, trail=0.045),
-    Wheel(CASTER, 0.72, -0.2, trail=0.045),
-)
+
+def four_wheels(fixed_y: float, casters_x: float, casters_y: float) -> tuple[Wheel, ...]:
+    """Fixed ones on the axle, and casters ahead, each so far (m) to its side."""
+    fixed = (Wheel(FIXED, 0.0, y) for y in (fixed_y, -fixed_y))
+    return (*fixed, *(Wheel(CASTER, casters_x, y, trail=0.045) for y in (casters_y, -casters_y)))
+
+
+WHEELS = four_wheels(0.27, 0.72, 0.2)
 SENSOR_NOISE = SensorNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05)
 PerAxis = tuple[float, float, float]
 FIRM_GAINS = Gains(along=3.0, across=15.0, heading=6.0, velocity=8.0)
@@ -65,7 +66,7 @@ def first_guess(with_effects: bool = True) -> CartModel:
     return CartModel(inertia, RollingConstraints(), effects, WHEELS, com_height=0.45, name="first guess")
 
 
-FILTER_NOISE = FilterNoise(0.0004, 0.0004, 0.005, 0.005, 1.0, 0.05, disturbance=0.1, slip=0.0005)
+FILTER_NOISE = filter_noise(SENSOR_NOISE, disturbance=0.1, slip=0.0005)
 
 
 def push_and_pull(quick: bool = False) -> tuple[Stretch, ...]:

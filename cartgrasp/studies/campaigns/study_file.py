@@ -27,15 +27,13 @@ from ...model import CartModel
 from ...simulation.sensors import SensorNoise
 from ...yaml_file import did_you_mean, file_error, parse_yaml, plain, read_yaml, validate
 from ..named_paths import named_path
-from ..scenario import Scenario, total_duration
+from ..scenario import Scenario, filter_noise, total_duration
 from ..shopping_cart import FIRM_GAINS
 from .closed_loop import ClosedLoopStudy
 from .drawing import Drawn, parameter_names
 from .logs import LogStudy
 from .schema import ESTIMATIONS, ChoosingEntry, ClosedLoopEntry, DrawnEntry, LogsEntry, RegraspEntry, StudyEntry
 
-SHARED_NOISE_KEYS = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
-"""What filter and sensors both have."""
 MAX_CONTROL_STEPS, MAX_PLANT_SUBSTEPS = 1_000_000, 1_000
 """Periods of control in a run, and steps of the plant in one of them."""
 
@@ -96,8 +94,7 @@ class _StudyFile:
 
     def _scenario(self, loop: ClosedLoopEntry, truth: CartModel, guess: CartModel) -> Scenario:
         sensors, known = SensorNoise(**loop.sensors.model_dump()), frozenset(loop.known)
-        shared = {name: getattr(sensors, name) for name in SHARED_NOISE_KEYS}
-        noise = FilterNoise(**shared | loop.filter.model_dump(exclude_none=True))
+        noise = filter_noise(sensors, **loop.filter.model_dump(exclude_none=True))
         with refusing(self.refuse, "closed_loop", "known"):
             Prior(known=known).free(guess)
         stretches = self._stretches(loop, guess)

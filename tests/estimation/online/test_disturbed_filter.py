@@ -19,7 +19,8 @@ from cartgrasp.simulation.mujoco_plant import MujocoPlant
 from cartgrasp.simulation.pushed_plant import Push, PushedPlant
 from cartgrasp.studies.disturbances import FLOOR, LOAD, ONSET_TIME, OURS, Case, controller
 from cartgrasp.studies.disturbances import SENSOR_NOISE as STUDIED
-from cartgrasp.studies.estimators import SENSOR_SETS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import SENSOR_SETS, Job, drive_cart
+from cartgrasp.studies.scenario import filter_noise
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.disturbance.disturbed_learning import FEEDFORWARD_RESPONSE_RATIO
 from estimation.online.disturbance.observer import NOMINAL_SAMPLE_PERIOD, NORMALISED_SETTLING_TIME, DisturbanceObserver

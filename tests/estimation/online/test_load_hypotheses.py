@@ -12,7 +12,8 @@ from cartgrasp.effects import PayloadChange, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.pushed_plant import Push, no_pushes
-from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, SENSOR_SETS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import CONTROL_PERIOD, HANDS, SENSOR_SETS, Job, drive_cart
+from cartgrasp.studies.scenario import filter_noise
 from cartgrasp.wheels import GRAVITY
 from estimation import CartFilter, Prior
 from estimation.gaussian import Gaussian

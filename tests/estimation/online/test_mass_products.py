@@ -7,7 +7,8 @@ from cartgrasp.constraints import RollingConstraints
 from cartgrasp.effects import FloorSlope, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
-from cartgrasp.studies.estimators import HANDS, SENSOR_SETS, Job, drive_cart, filter_noise
+from cartgrasp.studies.estimators import HANDS, SENSOR_SETS, Job, drive_cart
+from cartgrasp.studies.scenario import filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
