@@ -149,29 +149,17 @@ def _root_mean_square(values: Array) -> float:
     return float(np.sqrt(np.mean(values**2)))
 
 
-def draw_deviations(axes: Axes, drives: Sequence[Drive], parameter: str) -> None:
-    """The filter's standard deviation of a parameter against time, a line for each way."""
-    for i, drive in enumerate(drives):
-        axes.semilogy(drive.time, drive.std(parameter), STYLES[i], color=OKABE_ITO[i], label=drive.way)
-    axes.set(xlabel="Time (s)", ylabel=f"sd of {LABELS[parameter]}")
+def _draw_ways(axes: Axes, drives: Sequence[Drive], values: Sequence[Array], label: str) -> None:
+    """Values (n,) of each way against time."""
+    for i, (drive, line) in enumerate(zip(drives, values, strict=True)):
+        axes.plot(drive.time, line, STYLES[i], color=OKABE_ITO[i], label=drive.way)
+    axes.set(xlabel="Time (s)", ylabel=label)
 
 
-def draw_effort(axes: Axes, drives: Sequence[Drive]) -> None:
-    """Effort paid up to each time, a line for each way."""
-    for i, drive in enumerate(drives):
-        axes.plot(drive.time, drive.effort, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
-    axes.set(xlabel="Time (s)", ylabel="Effort paid (N²·s)")
-
-
-def draw_paths(axes: Axes, drives: Sequence[Drive]) -> None:
-    """How far the cart was driven off the undeviated reference, in its frame."""
-    base = drives[0].records[0].reference_pose
-    for i, drive in enumerate(drives):
-        pose = drive.records[0].pose
-        off = pose[:, :2] - base[:, :2]
-        left = off[:, 1] * np.cos(base[:, 2]) - off[:, 0] * np.sin(base[:, 2])
-        axes.plot(drive.time, 100.0 * left, color=OKABE_ITO[i], linestyle=STYLES[i], label=drive.way)
-    axes.set(xlabel="Time (s)", ylabel="Left of the path (cm)")
+def _off_path(drive: Drive, base: Array) -> Array:
+    """How far left (n,), cm, of the undeviated reference the cart was driven, in its frame."""
+    off = drive.records[0].pose[:, :2] - base[:, :2]
+    return np.asarray(100.0 * (off[:, 1] * np.cos(base[:, 2]) - off[:, 0] * np.sin(base[:, 2])))
 
 
 def figure(drives: Sequence[Drive]) -> Figure:
@@ -180,8 +168,10 @@ def figure(drives: Sequence[Drive]) -> Figure:
         page = Figure(figsize=(7.2, 5.6), layout="constrained")
         axes = page.subplots(3, 2).ravel()
         for panel, parameter in zip(axes, PHYSICAL_NAMES, strict=False):
-            draw_deviations(panel, drives, parameter)
-        draw_effort(axes[4], drives)
-        draw_paths(axes[5], drives)
+            _draw_ways(panel, drives, [drive.std(parameter) for drive in drives], f"sd of {LABELS[parameter]}")
+            panel.set_yscale("log")
+        _draw_ways(axes[4], drives, [drive.effort for drive in drives], "Effort paid (N²·s)")
+        base = drives[0].records[0].reference_pose
+        _draw_ways(axes[5], drives, [_off_path(drive, base) for drive in drives], "Left of the path (cm)")
         page.legend(*axes[0].get_legend_handles_labels(), loc="outside upper center", ncols=5)
     return page

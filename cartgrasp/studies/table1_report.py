@@ -3,7 +3,7 @@ tracking error against gains."""
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -199,9 +199,10 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
         draw_tracking(learning, results, LEARNING)
         draw_tracking(kept, results, FIRST_GUESS)
         kept.sharey(learning)
-        draw_mass_error(mass, low_noise)
+        _draw_error(mass, low_noise, lambda record: _share_off(record, "mass"))
+        mass.axhline(5.0, color="0.5", linewidth=0.8)
         draw_parameter_of_tests(rough, others, "mass", deviations=True)
-        draw_com_error(com, curves)
+        _draw_error(com, curves, _com_off)
         draw_parameter_of_tests(inertia, curves, "inertia")
         learning.set(title="Estimating", ylabel="Tracking error (cm)")
         kept.set(title="First guess kept", ylabel="Tracking error (cm)")
@@ -217,9 +218,7 @@ def figure_table1(results: Sequence[RowResult]) -> Figure:
 
 def draw_tracking(axes: Axes, results: Sequence[RowResult], mode: str) -> None:
     """Tracking error in cm, with the 3 cm that the paper reaches."""
-    for result in results:
-        record = result.runs[mode]
-        axes.semilogy(record.time, 100 * record.tracking_error + LOG_SCALE_OFFSET, **_style(result))
+    _draw_error(axes, results, lambda record: record.tracking_error, mode)
     axes.axhline(3.0, color="0.5", linewidth=0.8)
     axes.set_ylim(1e-2, 3e2)
 
@@ -236,19 +235,13 @@ def draw_parameter_of_tests(axes: Axes, results: Sequence[RowResult], name: str,
         axes.plot(record.time, _truth(record, name), **TRUTH_STYLE)
 
 
-def draw_mass_error(axes: Axes, results: Sequence[RowResult]) -> None:
-    """Draws the relative error of the mass in %, with the 5 % that count as converged."""
+def _draw_error(
+    axes: Axes, results: Sequence[RowResult], error: Callable[[RunRecord], Array], mode: str = LEARNING
+) -> None:
+    """An error in hundredths (cm or %), in decades."""
     for result in results:
-        record = result.runs[LEARNING]
-        axes.semilogy(record.time, 100 * _share_off(record, "mass") + LOG_SCALE_OFFSET, **_style(result))
-    axes.axhline(5.0, color="0.5", linewidth=0.8)
-
-
-def draw_com_error(axes: Axes, results: Sequence[RowResult]) -> None:
-    """Distance between the estimated and the true centre of mass in cm."""
-    for result in results:
-        record = result.runs[LEARNING]
-        axes.semilogy(record.time, 100 * _com_off(record) + LOG_SCALE_OFFSET, **_style(result))
+        record = result.runs[mode]
+        axes.semilogy(record.time, 100 * error(record) + LOG_SCALE_OFFSET, **_style(result))
 
 
 def _figure(rows: int = 1) -> Figure:
