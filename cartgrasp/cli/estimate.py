@@ -3,14 +3,12 @@
 from __future__ import annotations
 
 from pathlib import Path
-from typing import Any
 
 from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
-from estimation.log_noise.log_noise import noise_of_log
 from estimation.sensor_check.repeated_rows import with_measured_wrenches
 from estimation.whole_log.agreement import against_identify
 from estimation.whole_log.coasting import prior_of
-from estimation.whole_log.replay import Replay, as_replayed, replay
+from estimation.whole_log.replay import Replay, as_replayed, estimated
 
 from ..errors import DataError
 from ..logs import RunLog
@@ -37,7 +35,8 @@ def run(sources: Sources, method: str, out: Path | None, as_json: bool) -> int:
         check_pushed(log, "and the paper's filter learns the whole body; --method filter takes the mass as given")
     looks = check_logs([log], cart, sources.accepted, is_told=not as_json)
     with progress(f"estimating from {sources.logs[0].name}") as tell:
-        result = _replay(log, cart, method, tell)
+        told = as_replayed(with_measured_wrenches(log))
+        result = estimated(told, cart, METHODS[method], tell, until=float(log.time[-1]))
     if out is not None:
         write_atomically(out, result.series_csv())
     if as_json:
@@ -57,13 +56,6 @@ def _report_disagreements(result: Replay, log: RunLog, cart: CartModel) -> None:
         return
     for words in told:
         say(f"{log.name}: {words}")
-
-
-def _replay(log: RunLog, cart: CartModel, method: str, tell: Any) -> Replay:
-    thinned = as_replayed(with_measured_wrenches(log))
-    noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
-    estimator = METHODS[method](cart, list(thinned.arms), noise=noise, prior=prior)
-    return replay(thinned, estimator, tell, until=float(log.time[-1]))
 
 
 def _print(result: Replay, prior: Prior) -> None:

@@ -6,10 +6,9 @@ from collections.abc import Mapping
 from pathlib import Path
 
 from estimation import CartFilter
-from estimation.log_noise.log_noise import noise_of_log
 from estimation.log_noise.sentinel_values import without_sentinels
-from estimation.whole_log.coasting import prior_of, with_known_wrench
-from estimation.whole_log.replay import replay
+from estimation.whole_log.coasting import with_known_wrench
+from estimation.whole_log.replay import estimated
 
 from ..cart_file import load_cart
 from ..errors import UsageError
@@ -47,10 +46,8 @@ def run(
 def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
     if cart is None:
         return ()
-    told = with_known_wrench(log)
-    cart_filter = CartFilter(cart, list(told.arms), noise=noise_of_log(told, cart), prior=prior_of([log], cart))
     with progress(f"estimating from {log.name}") as tell:
-        return replay(told, cart_filter, tell).estimates
+        return estimated(with_known_wrench(log), cart, CartFilter, tell).estimates
 
 
 def _write(shown: ShownRun, wanted: Mapping[str, Path], title: str) -> None:

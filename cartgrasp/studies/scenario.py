@@ -29,6 +29,8 @@ from ..simulation.sensors import SensorNoise, Sensors
 LEARNING, FIRST_GUESS, PAPER = "learning", "first guess kept", "paper's literal filter"
 DEFAULT_CHOOSING = Choosing()
 MODEL_PLANT, MUJOCO_PLANT = "model", "mujoco"
+CONTROLLER_SETTINGS = "contacts", "choosing", "regrasp", "cart_limits", "confidence", "caution", "gains", "period"
+"""What a controller calls as a scenario does."""
 SHARED_NOISE_KEYS = ("position", "heading", "linear_velocity", "yaw_rate", "force", "moment")
 """What filter and sensors both have."""
 
@@ -78,17 +80,9 @@ class Scenario:
 
     def controller(self, **parts: Any) -> Controller:
         """What follows the path, with the estimator and the way to hold that are described."""
-        usual: dict[str, Any] = {
+        usual = {name: getattr(self, name) for name in CONTROLLER_SETTINGS} | {
             "reference": PathReference(self.stretches, self.guess.rolling, self.start_pose),
-            "contacts": self.contacts,
-            "choosing": self.choosing,
-            "regrasp": self.regrasp,
-            "cart_limits": self.cart_limits,
-            "confidence": self.confidence,
-            "caution": self.caution,
-            "gains": self.gains,
             "estimator": self._estimator(),
-            "period": self.period,
             "learn": self.estimation != FIRST_GUESS,
         }
         return Controller(self.guess, list(self.arms), **(usual | parts))

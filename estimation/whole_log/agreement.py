@@ -10,11 +10,9 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
-from ..log_noise.log_noise import noise_of_log
 from ..online.cart_filter import CartFilter
-from .coasting import prior_of
 from .identification import identify
-from .replay import as_replayed, replay
+from .replay import as_replayed, estimated
 
 DISAGREEMENT_SIGMAS, DISAGREEMENT_RATIO = 3.0, 0.05
 """Combined standard deviations, and share of the larger value, beyond both of which two values are not one."""
@@ -27,8 +25,7 @@ def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, car
     thinned = as_replayed(log)
     if len(thinned) > MAX_TWICE_FITTED_ROWS:
         return ()
-    online = CartFilter(cart, list(thinned.arms), noise=noise_of_log(thinned, cart), prior=prior_of([log], cart))
-    last = replay(thinned, online, until=float(log.time[-1])).last
+    last = estimated(thinned, cart, CartFilter, until=float(log.time[-1])).last
     return disagreements(parameters, last.parameters, str(last.health))
 
 

@@ -16,9 +16,10 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.roles import Estimator
 
+from ..log_noise.log_noise import noise_of_log
 from ..log_noise.sentinel_values import without_sentinels
 from ..online.paper_filter import DIVERGED
-from .coasting import with_known_wrench
+from .coasting import prior_of, with_known_wrench
 
 
 class CartEstimator(Estimator, Protocol):
@@ -81,6 +82,18 @@ def replay(
     if until is not None and until > log.time[-1]:
         estimates.append(_updated(estimator, Measurement(until), log.name))
     return Replay(tuple(estimates))
+
+
+def estimated(
+    log: RunLog,
+    cart: CartModel,
+    kind: Callable[..., CartEstimator],
+    progress: Callable[[float], None] | None = None,
+    until: float | None = None,
+) -> Replay:
+    """The replay to an estimator of a kind, that is told how loud the log is, and what it can't tell."""
+    estimator = kind(cart, list(log.arms), noise=noise_of_log(log, cart), prior=prior_of([log], cart))
+    return replay(log, estimator, progress, until)
 
 
 def _updated(estimator: CartEstimator, measurement: Measurement, name: str) -> Estimate:

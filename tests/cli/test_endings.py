@@ -117,7 +117,7 @@ def test_interrupted_within_the_progress_bar(capsys, monkeypatch, tmp_path):
     pushed = RunLog(np.arange(3.0), np.zeros((3, 3)), None, {"hand": ArmLog(np.ones((3, 3)), np.ones((3, 6)))})
     monkeypatch.setattr(log_inputs, "load_cart", lambda path: None)
     monkeypatch.setattr(log_inputs, "read_log", lambda path, topics: pushed)
-    monkeypatch.setattr(estimate, "_replay", stop)
+    monkeypatch.setattr(estimate, "as_replayed", stop)
     answer = run(capsys, "estimate", "run.csv", "--cart", "cart.yaml", "--json")
     assert answer.status == 130
     assert answer.out == ""

@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import json
-from collections.abc import Callable, Iterable
+from collections.abc import Callable
 from dataclasses import dataclass
 from pathlib import Path
 from typing import Any
@@ -35,11 +35,8 @@ class Results:
     def keep(self, done: JobResult) -> Path:
         return write_atomically(self._path(done.key), done.text)
 
-    def read(self, keys: Iterable[str]) -> list[dict[str, Any]]:
-        """The results of these jobs, in their order."""
-        return [self._read(self._path(key)) for key in keys]
-
-    def _read(self, path: Path) -> dict[str, Any]:
+    def read(self, key: str) -> dict[str, Any]:
+        path = self._path(key)
         try:
             found = json.loads(path.read_text(encoding="utf-8"))
         except (OSError, ValueError) as error:
@@ -61,4 +58,4 @@ def run_campaign(
         results.keep(done)
         if progress is not None:
             progress((len(jobs) - len(left) + count) / len(jobs))
-    return results.read(keys)
+    return [results.read(key) for key in keys]

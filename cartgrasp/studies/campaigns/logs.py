@@ -9,13 +9,12 @@ from pathlib import Path
 from typing import Any
 
 from estimation.discrepancy import diagnose
-from estimation.log_noise.log_noise import noise_of_log
-from estimation.whole_log.coasting import prior_of, with_known_wrench
+from estimation.whole_log.coasting import with_known_wrench
 from estimation.whole_log.identification import identify
-from estimation.whole_log.replay import replay
+from estimation.whole_log.replay import estimated
 
 from ...errors import DataError
-from ...logs import RunLog, is_bag_name, read_log
+from ...logs import is_bag_name, read_log
 from ...model import CartModel
 from ..estimators import ONLINE_ESTIMATORS
 from .job import Job
@@ -59,19 +58,13 @@ class LogJob(Job):
     def run(self) -> dict[str, Any]:
         log, cart = read_log(self.path, self.study.topics), self.study.cart
         if self.study.do == ESTIMATE:
-            told = _estimated(log, cart, self.study.method)
+            known, kind = with_known_wrench(log.thinned()), ONLINE_ESTIMATORS[self.study.method]
+            told = estimated(known, cart, kind, until=float(log.time[-1])).as_dict()
         elif self.study.do == IDENTIFY:
             told = identify([log], cart).as_dict()
         else:
             told = diagnose([log], cart).report.as_dict()
         return {"log": self.path.name, **told}
-
-
-def _estimated(log: RunLog, cart: CartModel, method: str) -> dict[str, Any]:
-    thinned = with_known_wrench(log.thinned())
-    noise, prior = noise_of_log(thinned, cart), prior_of([log], cart)
-    estimator = ONLINE_ESTIMATORS[method](cart, list(thinned.arms), noise=noise, prior=prior)
-    return replay(thinned, estimator, until=float(log.time[-1])).as_dict()
 
 
 def digest(path: Path) -> str:
