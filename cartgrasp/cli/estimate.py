@@ -4,7 +4,7 @@ from __future__ import annotations
 
 from pathlib import Path
 
-from estimation import CartFilter, PaperFilter, Prior, RegressorEstimator, identifiability
+from estimation import Prior, identifiability
 from estimation.sensor_check.repeated_rows import with_measured_wrenches
 from estimation.whole_log.agreement import against_identify
 from estimation.whole_log.coasting import prior_of
@@ -20,12 +20,6 @@ from .output import check_writable, print_json, progress, say
 from .run_tables import print_health, print_parameters
 from .sensors import check_logs
 
-METHODS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
-    "filter": CartFilter,
-    "regressor": RegressorEstimator,
-    "paper": PaperFilter,
-}
-
 
 def run(sources: Sources, method: str, out: Path | None, as_json: bool) -> int:
     if out is not None:
@@ -36,7 +30,7 @@ def run(sources: Sources, method: str, out: Path | None, as_json: bool) -> int:
     looks = check_logs([log], cart, sources.accepted, is_told=not as_json)
     with progress(f"estimating from {sources.logs[0].name}") as tell:
         told = as_replayed(with_measured_wrenches(log))
-        result = estimated(told, cart, METHODS[method], tell, until=float(log.time[-1]))
+        result = estimated(told, cart, method, tell, until=float(log.time[-1]))
     if out is not None:
         write_atomically(out, result.series_csv())
     if as_json:

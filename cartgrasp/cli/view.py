@@ -5,7 +5,6 @@ from __future__ import annotations
 from collections.abc import Mapping
 from pathlib import Path
 
-from estimation import CartFilter
 from estimation.log_noise.sentinel_values import without_sentinels
 from estimation.whole_log.coasting import with_known_wrench
 from estimation.whole_log.replay import estimated
@@ -47,7 +46,7 @@ def _estimates(log: RunLog, cart: CartModel | None) -> tuple[Estimate, ...]:
     if cart is None:
         return ()
     with progress(f"estimating from {log.name}") as tell:
-        return estimated(with_known_wrench(log), cart, CartFilter, tell).estimates
+        return estimated(with_known_wrench(log), cart, progress=tell).estimates
 
 
 def _write(shown: ShownRun, wanted: Mapping[str, Path], title: str) -> None:

@@ -14,9 +14,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from estimation import CartFilter, FilterNoise, PaperFilter, RegressorEstimator
+from estimation import FilterNoise
 from estimation.whole_log.identification import identify
-from estimation.whole_log.replay import replay
+from estimation.whole_log.replay import ONLINE_ESTIMATORS, replay
 from planning.references import PathReference, chain, pause, speed_change, straight, turn
 from planning.tracking import build_tracker
 
@@ -37,12 +37,7 @@ from .scenario import filter_noise
 CONTROL_PERIOD = 0.01
 MOTION_SETTLING_TIME = 1.0
 """s, from which on motions are compared."""
-FILTER, REGRESSOR, PAPER, IDENTIFY = "filter", "regressor", "paper", "identify"
-ONLINE_ESTIMATORS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
-    FILTER: CartFilter,
-    REGRESSOR: RegressorEstimator,
-    PAPER: PaperFilter,
-}
+FILTER, REGRESSOR, IDENTIFY = "filter", "regressor", "identify"
 WAYS = (*ONLINE_ESTIMATORS, IDENTIFY)
 PATHS = {
     "straight": chain(straight(2.0, 0.6, 0.5), pause(0.5), straight(-2.0, 0.6, 0.5), pause(0.5)),

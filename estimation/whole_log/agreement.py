@@ -10,7 +10,6 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.motion import ParameterEstimate
 
-from ..online.cart_filter import CartFilter
 from .identification import identify
 from .replay import as_replayed, estimated
 
@@ -25,7 +24,7 @@ def against_filter(parameters: Mapping[str, ParameterEstimate], log: RunLog, car
     thinned = as_replayed(log)
     if len(thinned) > MAX_TWICE_FITTED_ROWS:
         return ()
-    last = estimated(thinned, cart, CartFilter, until=float(log.time[-1])).last
+    last = estimated(thinned, cart, until=float(log.time[-1])).last
     return disagreements(parameters, last.parameters, str(last.health))
 
 

@@ -18,8 +18,17 @@ from cartgrasp.roles import Estimator
 
 from ..log_noise.log_noise import noise_of_log
 from ..log_noise.sentinel_values import without_sentinels
-from ..online.paper_filter import DIVERGED
+from ..online.cart_filter import CartFilter
+from ..online.paper_filter import DIVERGED, PaperFilter
+from ..online.regressor_estimator import RegressorEstimator
 from .coasting import prior_of, with_known_wrench
+
+ONLINE_ESTIMATORS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
+    "filter": CartFilter,
+    "regressor": RegressorEstimator,
+    "paper": PaperFilter,
+}
+"""By the name of the method."""
 
 
 class CartEstimator(Estimator, Protocol):
@@ -87,13 +96,13 @@ def replay(
 def estimated(
     log: RunLog,
     cart: CartModel,
-    kind: Callable[..., CartEstimator],
+    method: str = "filter",
     progress: Callable[[float], None] | None = None,
     until: float | None = None,
 ) -> Replay:
-    """The replay to an estimator of a kind, that is told how loud the log is, and what it can't tell."""
-    estimator = kind(cart, list(log.arms), noise=noise_of_log(log, cart), prior=prior_of([log], cart))
-    return replay(log, estimator, progress, until)
+    """The replay to one of `ONLINE_ESTIMATORS`, which is told how loud the log is, and what it can't tell."""
+    kind, noise, prior = ONLINE_ESTIMATORS[method], noise_of_log(log, cart), prior_of([log], cart)
+    return replay(log, kind(cart, list(log.arms), noise=noise, prior=prior), progress, until)
 
 
 def _updated(estimator: CartEstimator, measurement: Measurement, name: str) -> Estimate:

@@ -16,7 +16,6 @@ from estimation.whole_log.replay import estimated
 from ...errors import DataError
 from ...logs import is_bag_name, read_log
 from ...model import CartModel
-from ..estimators import ONLINE_ESTIMATORS
 from .job import Job
 
 ESTIMATE, IDENTIFY = "estimate", "identify"
@@ -58,8 +57,8 @@ class LogJob(Job):
     def run(self) -> dict[str, Any]:
         log, cart = read_log(self.path, self.study.topics), self.study.cart
         if self.study.do == ESTIMATE:
-            known, kind = with_known_wrench(log.thinned()), ONLINE_ESTIMATORS[self.study.method]
-            told = estimated(known, cart, kind, until=float(log.time[-1])).as_dict()
+            known, method = with_known_wrench(log.thinned()), self.study.method
+            told = estimated(known, cart, method, until=float(log.time[-1])).as_dict()
         elif self.study.do == IDENTIFY:
             told = identify([log], cart).as_dict()
         else:
