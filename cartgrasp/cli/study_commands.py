@@ -35,8 +35,9 @@ def discrepancy(
     raise typer.Exit(command.run(folder, jobs, json))
 
 
-def _add(name: str, counted: tuple[str, str, int, int, int], about: str) -> None:
-    """A seeded study; `counted` are seeds or runs: the word, what each is, the least, the most and the usual number."""
+def _add(name: str, counted: tuple[str, str, int, int, int], about: str, module: str | None = None) -> None:
+    """A seeded study, of a module with its name if no other is given; `counted` are seeds or runs: the word, what each
+    is, the least, the most and the usual number."""
     word, each, least, most, usual = counted
     how_many = typer.Option(f"--{word}", min=least, max=most, help=each)
 
@@ -46,7 +47,7 @@ def _add(name: str, counted: tuple[str, str, int, int, int], about: str) -> None
     ) -> None:
         from . import seeded_studies
 
-        raise typer.Exit(seeded_studies.run(name, word, out, json, seed, count))
+        raise typer.Exit(seeded_studies.run((name, module or name), word, out, json, seed, count))
 
 
 _add(
@@ -58,6 +59,7 @@ _add(
     "robust",
     ("seeds", "Carts drawn.", 1, 100, 8),
     "Margins for what is not known yet of a load: how they shrink as it is learned, what they save and cost.",
+    module="robust_margins",
 )
 _add(
     "effort",

@@ -19,5 +19,5 @@ def run(folder: Path, jobs: int | None, as_json: bool) -> int:
         Section("Diagnoses", COLUMNS, [one.cells for one in found], left=3),
         Section.of_claims("Claims", promised),
     ]
-    told = Findings(sections, {"logs": [one.as_dict() for one in found]}, promised)
-    return finish(("discrepancy", "Discrepancies"), str(folder), told, folder, as_json)
+    told = Findings("Discrepancies", sections, {"logs": [one.as_dict() for one in found]}, promised)
+    return finish("discrepancy", str(folder), told, folder, as_json)

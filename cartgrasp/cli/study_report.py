@@ -12,12 +12,13 @@ from .output import print_json, print_table, say
 MAX_WORKERS = 8
 
 
-def finish(called: tuple[str, str], options: str, found: Findings, out: Path, as_json: bool) -> int:
-    """Tells what a study found that is `called` by a name and a heading, and writes NAME.md into the folder `out`;
-    0 if all promises are kept, else 1."""
-    name, heading = called
+def finish(name: str, options: str, found: Findings, out: Path, as_json: bool) -> int:
+    """Tells what a study of a name found, and writes NAME.md into the folder `out`; 0 if all promises are kept, else
+    1."""
     made_by = f"Made by `cartgrasp study {name} {options}`."
-    write_atomically(out / f"{name}.md", "\n\n".join([f"# {heading}", made_by, *(s.markdown for s in found.sections)]))
+    write_atomically(
+        out / f"{name}.md", "\n\n".join([f"# {found.heading}", made_by, *(s.markdown for s in found.sections)])
+    )
     kept = all_kept(found.promised)
     if as_json:
         promises = [claim.as_dict() for claim in found.promised]

@@ -35,7 +35,7 @@ def run(out: Path, as_json: bool, seed: int, tests: str) -> int:
         "paper": [claim.as_dict() for claim in papers],
         "tracking_error": [dict(zip(ERROR_COLUMNS, row, strict=True)) for row in errors],
     }
-    return finish(("table1", "Table I"), f"--seed {seed}", Findings(sections, document, promised), out, as_json)
+    return finish("table1", f"--seed {seed}", Findings("Table I", sections, document, promised), out, as_json)
 
 
 def _rows(tests: str) -> tuple[Row, ...]:

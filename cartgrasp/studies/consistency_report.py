@@ -93,7 +93,9 @@ def findings(runs: Sequence[dict[str, Trace]]) -> Findings:
         Section.of_claims("Claims", promised),
         Section("Parameters: rms errors in standard deviations", SCORE_COLUMNS, score_rows(runs), left=2),
     ]
-    return Findings(sections, {"squares": [as_dict(runs, *one) for one in product(MODELS, SQUARES)]}, promised)
+    return Findings(
+        "Consistency", sections, {"squares": [as_dict(runs, *one) for one in product(MODELS, SQUARES)]}, promised
+    )
 
 
 def as_dict(runs: Sequence[dict[str, Trace]], model: str, square: str) -> dict[str, object]:

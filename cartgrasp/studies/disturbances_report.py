@@ -98,7 +98,7 @@ def findings(outcomes: Sequence[Outcome]) -> Findings:
     promised = claims(outcomes)
     title = "Errors from the first disturbance on: rms over the runs, and the mean of their peaks"
     sections = [Section(title, COLUMNS, rows(outcomes), left=2), Section.of_claims("Claims", promised)]
-    return Findings(sections, {"outcomes": [as_dict(one) for one in outcomes]}, promised)
+    return Findings("Disturbances", sections, {"outcomes": [as_dict(one) for one in outcomes]}, promised)
 
 
 def as_dict(outcome: Outcome) -> dict[str, object]:

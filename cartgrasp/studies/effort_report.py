@@ -65,7 +65,9 @@ def findings(found: Sequence[Comparison]) -> Findings:
         Section(STATIC_TITLE, static_columns, static_rows),
         Section.of_claims("Claims", promised),
     ]
-    return Findings(sections, {"runs": [as_dict(one) for one in found]}, promised)
+    return Findings(
+        "What hands pay at equal tracking error", sections, {"runs": [as_dict(one) for one in found]}, promised
+    )
 
 
 def shares(found: Sequence[Comparison], figure: str, way: tuple[str, str]) -> list[float]:

@@ -145,7 +145,7 @@ def findings(trials: Sequence[Trial]) -> Findings:
         Section(errors, COLUMNS, rows(trials), left=2),
         Section(motion, MOTION_COLUMNS, motion_rows(trials), left=2),
     ]
-    return Findings(sections, {"trials": [as_dict(trial) for trial in trials]}, promised)
+    return Findings("Estimators", sections, {"trials": [as_dict(trial) for trial in trials]}, promised)
 
 
 def as_dict(trial: Trial) -> dict[str, object]:

@@ -125,7 +125,7 @@ def findings(drives: Sequence[Drive]) -> Findings:
         Section(allowances, PRICE_COLUMNS, price_rows()),
         Section.of_claims("Claims", promised),
     ]
-    return Findings(sections, {"ways": [as_dict(drive) for drive in drives]}, promised)
+    return Findings("Excitation", sections, {"ways": [as_dict(drive) for drive in drives]}, promised)
 
 
 def as_dict(drive: Drive) -> dict[str, object]:

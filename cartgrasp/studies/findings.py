@@ -56,6 +56,7 @@ class Section:
 class Findings:
     """`document` is what JSON says beside promises and place, `promised` what the exit status is about."""
 
+    heading: str
     sections: Sequence[Section]
     document: dict[str, Any]
     promised: Sequence[Claim]

@@ -148,7 +148,12 @@ def findings(outcomes: Sequence[Outcome]) -> Findings:
         Section.of_claims("This project's promises", promised),
     ]
     experiments = [as_dict(outcome) for outcome in outcomes]
-    return Findings(sections, {"paper": [claim.as_dict() for claim in papers], "experiments": experiments}, promised)
+    return Findings(
+        "The hardware experiments",
+        sections,
+        {"paper": [claim.as_dict() for claim in papers], "experiments": experiments},
+        promised,
+    )
 
 
 def as_dict(outcome: Outcome) -> dict[str, object]:

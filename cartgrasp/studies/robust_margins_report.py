@@ -85,7 +85,7 @@ def findings(runs: Sequence[Run]) -> Findings:
     promised = claims(runs)
     title = "Margins while the load is learned (at hard ticks; effort in N²)"
     sections = [Section(title, COLUMNS, rows(runs)), Section.of_claims("Claims", promised)]
-    return Findings(sections, {"runs": [as_dict(one) for one in runs]}, promised)
+    return Findings("Robust margins", sections, {"runs": [as_dict(one) for one in runs]}, promised)
 
 
 def as_dict(run: Run) -> dict[str, object]:

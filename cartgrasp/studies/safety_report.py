@@ -26,7 +26,9 @@ def findings(runs: Sequence[Run]) -> Findings:
     promised = claims(runs)
     table = Section(TITLE, COLUMNS, [_row(runs, way) for way in WAYS])
     sections = [table, Section.of_claims("Claims", promised)]
-    return Findings(sections, {"runs": [as_dict(one) for one in runs]}, promised)
+    return Findings(
+        "Carts that are not known yet, driven hard", sections, {"runs": [as_dict(one) for one in runs]}, promised
+    )
 
 
 def claims(runs: Sequence[Run]) -> list[Claim]:

@@ -17,7 +17,7 @@ def findings(found):
     promised = [Claim("here", "less", "0.5", found == ["one", "other"])]
     table = Section("By word", ("word", "length"), [(one, str(len(one))) for one in found])
     runs = [{"word": one, "margin": np.pi} for one in found]
-    return Findings([table, Section.of_claims("Claims", promised)], {"runs": runs}, promised)
+    return Findings("Words", [table, Section.of_claims("Claims", promised)], {"runs": runs}, promised)
 
 
 @pytest.mark.parametrize("found", [["one", "other"], ["none"]])
