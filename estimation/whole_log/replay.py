@@ -21,6 +21,7 @@ from ..log_noise.sentinel_values import without_sentinels
 from ..online.cart_filter import CartFilter
 from ..online.paper_filter import DIVERGED, PaperFilter
 from ..online.regressor_estimator import RegressorEstimator
+from ..sensor_check.repeated_rows import without_repeats
 from .coasting import prior_of, with_known_wrench
 
 ONLINE_ESTIMATORS: dict[str, type[CartFilter | RegressorEstimator | PaperFilter]] = {
@@ -101,8 +102,9 @@ def estimated(
     until: float | None = None,
 ) -> Replay:
     """The replay to one of `ONLINE_ESTIMATORS`, which is told how loud the log is, and what it can't tell."""
-    kind, noise, prior = ONLINE_ESTIMATORS[method], noise_of_log(log, cart), prior_of([log], cart)
-    return replay(log, kind(cart, list(log.arms), noise=noise, prior=prior), progress, until)
+    noise, prior = noise_of_log(without_repeats(log), cart), prior_of([log], cart)  # steps of held poses are no noise
+    estimator = ONLINE_ESTIMATORS[method](cart, list(log.arms), noise=noise, prior=prior)
+    return replay(log, estimator, progress, until)
 
 
 def _updated(estimator: CartEstimator, measurement: Measurement, name: str) -> Estimate:
