@@ -148,6 +148,8 @@ class CompiledDynamics:
 
     def stiction(self, point: StatePoint) -> Array:
         """Wrenches (..., 3, k)."""
+        if not self.most_stictions:
+            return np.zeros((*np.broadcast_shapes(*(part.shape[:-1] for part in point[::2])), 3, 0))
         found, n = self._effects(point)
         first = self.n_sums + self.n_memory
         columns = found[..., first : first + 3 * n].reshape(*found.shape[:-1], n, 3)

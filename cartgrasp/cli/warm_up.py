@@ -20,7 +20,7 @@ from ..model import CartModel
 from ..wheels import Wheel
 from .output import KernelProgressLines, print_json
 
-FOREIGN_EFFECT_KERNELS = frozenset({"begun", "row", "slowed", "largest", "predict", "take", "topple"})
+FOREIGN_EFFECT_KERNELS = frozenset({"predict", "take", "topple"})
 """Kernels for carts that have effects without kernels."""
 WARM_UP_CONTACTS = [(-0.25, 0.2, 1.0), (-0.25, 0.1, 1.0)]
 WARM_UP_WHEELS = (Wheel("fixed", 0.0, 0.3), Wheel("fixed", 0.0, -0.3), Wheel("caster", 0.6, 0.0, 0.05))

@@ -8,11 +8,9 @@ from typing import NamedTuple
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.dynamics import Point, inverse_by_parameters, lifted, situation, stictions
-from cartgrasp.kernels.workspace import copy, unpack
+from cartgrasp.kernels.workspace import copy
 
-from .correction import put
-from .jit import Indices, compiled, row_compiled, row_entry
+from .jit import Indices, row_entry
 from .row_parts import (
     FILTER_RATE,
     NOMINAL_DELAY_PERIODS,
@@ -22,12 +20,10 @@ from .row_parts import (
     add_measured,
     add_other_memory,
     add_stuck,
-    at_most,
     bent_by_delay,
     curvature_of,
     noise_of_wrenches,
     part_beyond,
-    slowest,
     with_rise,
 )
 
@@ -81,11 +77,10 @@ class Asked(NamedTuple):
 
 
 class Found(NamedTuple):
-    """There: the reduced wrench (m, f), its partials by nu' (m, f, f) and by the parameters (m, f, p); and reduced
-    forces (n, f, c) that may hold a cart which stands still."""
+    """There: the reduced wrench (m, f), and its partials by the parameters (m, f, p); and reduced forces (n, f, c) that
+    may hold a cart which stands still."""
 
     wrench: Array
-    by_acceleration: Array
     by_parameters: Array
     stuck: Array
 
@@ -194,11 +189,6 @@ def weights(time: Array, width: int) -> Weights:
 @row_entry
 def begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Array, Asked]:
     """What a row around parameters (p,), known to within `spread @ z`, (p, q), needs to know."""
-    return _begun(weighing, block, theta, spread)
-
-
-@row_compiled
-def _begun(weighing: Weights, block: Smoothed, theta: Array, spread: Array) -> tuple[Array, Asked]:
     n, f = block.velocity.shape
     of_rise, whole = weighing.of_motion[2], np.zeros(f)
     for a in range(f):
@@ -237,20 +227,14 @@ def row(
     weighing: Weights, rise: Array, found: Found, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
 ) -> FilteredRow:
     """The filtered row, from what was found where `begun` asked for it."""
-    return _row(weighing, rise, found, block, given, unmodelled)
-
-
-@row_compiled
-def _row(
-    weighing: Weights, rise: Array, found: Found, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
-) -> FilteredRow:
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
     wrenches, ahead, theta, _, spread = given
-    mass, slopes, by_acceleration = found.by_acceleration[still], np.zeros((f, p + 1)), np.empty((f, f, p))
+    mass, slopes, by_acceleration = np.empty((f, f)), np.zeros((f, p + 1)), np.empty((f, f, p))
     residual, k, others = np.zeros(f), block.memory.shape[1], len(found.wrench) - 2 * n * block.memory.shape[1]
     for a in range(f):
         for b in range(f):
+            mass[a, b] = found.wrench[still + 1 + b, a] - found.wrench[still, a]
             for q in range(p):
                 by_acceleration[a, b, q] = by[still + 1 + b, a, q] - by[still, a, q]
         for i in range(n):
@@ -279,50 +263,3 @@ def _row(
     bent = bent_by_delay(weighing.of_motion[2], block.time, wrenches, f)
     link = -FILTER_RATE * mass, weighing.fade, noise, before, after, shared
     return FilteredRow(residual, slopes, *link, curvature, by_acceleration, quieter, of_wrenches, of_delay, bent)
-
-
-@row_entry
-def worked_out(
-    cart: tuple[Array, Indices, int], weighing: Weights, block: Smoothed, given: RowInputs, unmodelled: UnmodelledNoise
-) -> FilteredRow:
-    """`begun` and `row` at once, of a cart whose effects all have kernels: its workspace, and how many wrenches Coulomb
-    effects may give."""
-    floats, ints, n_stuck = cart
-    _, _, theta, covariance, spread = given
-    rise, asked = _begun(weighing, block, theta, spread)
-    n, m, f, p = len(block.time), len(asked.time), asked.acceleration.shape[1], len(theta)
-    wrench, by_acceleration, by_parameters = np.empty((m, f)), np.empty((m, f, f)), np.empty((m, f, p))
-    found = Found(wrench, by_acceleration, by_parameters, np.zeros((n, f, n_stuck)))
-    _find(floats, ints, asked, found, (n, 2 * n + f + 2 + spread.shape[1]))
-    slow, columns = asked.state[:n].copy(), np.empty(3 * n_stuck)
-    put(slowest(block.velocity, block.covariance), slow[:, 3 : 3 + f])
-    _find_stuck((floats, ints), (slow, block.time, at_most(theta, covariance)), found.stuck, columns)
-    return _row(weighing, rise, found, block, given, unmodelled)
-
-
-@compiled
-def _find(floats: Array, ints: Indices, asked: Asked, found: Found, taught_at: tuple[int, int]) -> None:
-    """Fills `found`, with partials by the parameters from the first index of `taught_at` up to the second, else
-    without."""
-    m, _ = unpack(floats, ints)
-    for i in range(len(asked.time)):
-        point = Point(asked.state[i], asked.time[i], asked.parameters[i], asked.time[:0])
-        by_parameters = found.by_parameters[i] if taught_at[0] <= i < taught_at[1] else found.by_parameters[i, :0]
-        inverse_by_parameters(
-            m, point, asked.acceleration[i], (found.wrench[i], found.by_acceleration[i], by_parameters)
-        )
-
-
-@compiled
-def _find_stuck(cart: tuple[Array, Indices], asked: tuple[Array, Array, Array], found: Array, columns: Array) -> None:
-    """Adds to `found` the reduced forces (n, f, c) that may hold a cart at states (n, s), times (n,) and parameters
-    (p,)."""
-    m, _ = unpack(cart[0], cart[1])
-    states, time, parameters = asked
-    for i in range(len(time) if len(columns) > 0 else 0):
-        point = Point(states[i], time[i], parameters, time[:0])
-        situation(m, point, lifted(m.basis, states[i, 3:]))
-        for c in range(stictions(m, point, columns)):
-            for j in range(3):
-                for a in range(m.basis.shape[1]):
-                    found[i, a, c] += m.basis[j, a] * columns[3 * c + j]

@@ -7,10 +7,9 @@ import math
 import numpy as np
 
 from cartgrasp.frames import Array
-from cartgrasp.kernels.workspace import N_PHI
 
 from .correction import put
-from .jit import Indices, row_compiled, row_entry
+from .jit import Indices, row_compiled
 
 FILTER_RATE = 2.0
 """1/s, of the filter."""
@@ -26,37 +25,6 @@ SIGNIFICANCE_SIGMAS = 2.0
 """Standard deviations that teach nothing: of nu, and of what noise in slopes adds to the information."""
 MEMORY_ERROR_ROWS = 4.0
 """Rows over which a memory that is off stays so: what it does counts in each as if it were new, so many times."""
-
-
-@row_entry
-def slowed(velocity: Array, covariance: Array) -> Array:
-    """The slowest (n, f) that each nu may be."""
-    return slowest(velocity, covariance)
-
-
-@row_compiled
-def slowest(velocity: Array, covariance: Array) -> Array:
-    n, f = velocity.shape
-    slow = np.empty((n, f))
-    for i in range(n):
-        for a in range(f):
-            left = max(abs(velocity[i, a]) - STANDSTILL_SIGMAS * math.sqrt(covariance[i, a, a]), 0.0)
-            slow[i, a] = math.copysign(left, velocity[i, a]) if left > 0.0 else 0.0
-    return slow
-
-
-@row_entry
-def largest(theta: Array, covariance: Array) -> Array:
-    return at_most(theta, covariance)
-
-
-@row_compiled
-def at_most(theta: Array, covariance: Array) -> Array:
-    """Parameters (p,), with effects as large as they are known to be."""
-    most = theta.copy()
-    for q in range(N_PHI, len(theta)):
-        most[q] += math.sqrt(max(covariance[q, q], 0.0))
-    return most
 
 
 @row_compiled

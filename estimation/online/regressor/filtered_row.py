@@ -17,18 +17,19 @@ What noise in B[nu'] does, which is in a row's slopes and in its residual alike,
 from __future__ import annotations
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
 from cartgrasp.frames import Array
+from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
 
 from ...gaussian import Gaussian
 from ...noise import FilterNoise
 from ...standstill import HALF_TRACK, STANDSTILL_SPEED
 from ..kernels import row_algebra as kernels
-from ..kernels import row_parts
-from ..kernels.row_algebra import FilteredRow, Found, Smoothed, UnmodelledNoise, Weights
+from ..kernels.row_algebra import Asked, FilteredRow, Found, Smoothed, UnmodelledNoise, Weights
 from ..kernels.row_parts import STANDSTILL_SIGMAS
 
 
@@ -59,35 +60,55 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
     return bool((found + STANDSTILL_SIGMAS * std < speed).any())
 
 
-def filtered_row(
-    cart: CartModel, known: Gaussian, spread: Array, block: Block, unmodelled: UnmodelledNoise
-) -> FilteredRow:
-    """The filtered row of a block, around the parameters (p,) that are known by now, to within `spread @ z`, (p, q).
+class AskedRow(NamedTuple):
+    """The row of a block on its way, around the parameters (p,) `known` by then, to within `spread @ z`, (p, q): what
+    inverse dynamics have told so far of the moments for which they are `asked`."""
 
-    Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they are
-    believed, a swivel torque would be learned away while casters just trail."""
-    given = block.wrenches, block.ahead, known.mean, known.covariance, spread
-    if not cart.is_compiled:
-        return _in_numpy(cart, block, given, unmodelled)
-    dynamics = cart.dynamics
-    workspace = dynamics.floats, dynamics.ints, dynamics.most_stictions
-    return kernels.worked_out(workspace, block.weights, block.moved, given, unmodelled)
+    block: Block
+    known: Gaussian
+    spread: Array
+    rise: Array
+    asked: Asked
+    told: tuple[tuple[Array, Array], ...] = ()
+
+    @classmethod
+    def of(cls, block: Block, known: Gaussian, spread: Array) -> AskedRow:
+        return cls(block, known, spread, *kernels.begun(block.weights, block.moved, known.mean, spread))
+
+    @property
+    def _done(self) -> int:
+        return sum(len(wrench) for wrench, _ in self.told)
+
+    @property
+    def is_told(self) -> bool:
+        return self._done == len(self.asked.time)
+
+    def go_on(self, cart: CartModel, count: int) -> AskedRow:
+        """With so many moments more."""
+        state, acceleration, parameters, time = (part[self._done : self._done + count] for part in self.asked)
+        return self._replace(told=(*self.told, cart.inverse_by_parameters(state, acceleration, parameters, time)))
+
+    def filtered(self, cart: CartModel, unmodelled: UnmodelledNoise) -> FilteredRow:
+        """The filtered row, of which all is told.
+
+        Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they
+        are believed, a swivel torque would be learned away while casters just trail."""
+        moved, theta, covariance = self.block.moved, self.known.mean, self.known.covariance
+        slow, most = self.asked.state[: len(moved.time)].copy(), theta.copy()
+        slow[:, cart.velocity_slice] = _slowest(moved)
+        most[N_PHI:] += np.sqrt(np.maximum(np.diagonal(covariance)[N_PHI:], 0.0))
+        stuck = np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time))
+        wrench, by_parameters = (np.concatenate(parts) for parts in zip(*self.told, strict=True))
+        given = self.block.wrenches, self.block.ahead, theta, covariance, self.spread
+        found = Found(wrench, by_parameters, stuck)
+        return kernels.row(self.block.weights, self.rise, found, moved, given, unmodelled)
 
 
-def _in_numpy(cart: CartModel, block: Block, given: kernels.RowInputs, unmodelled: UnmodelledNoise) -> FilteredRow:
-    """Where some effect has no kernel."""
-    moved, (_, _, theta, covariance, spread) = block.moved, given
-    rise, asked = kernels.begun(block.weights, moved, theta, spread)
-    there = cart.inverse(asked.state, asked.acceleration, asked.parameters, asked.time)
-    slow, most = asked.state[: len(moved.time)].copy(), row_parts.largest(theta, covariance)
-    slow[:, cart.velocity_slice] = row_parts.slowed(moved.velocity, moved.covariance)
-    found = Found(
-        wrench=np.ascontiguousarray(there.wrench),
-        by_acceleration=np.ascontiguousarray(there.by_acceleration),
-        by_parameters=np.ascontiguousarray(there.by_parameters),
-        stuck=np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time)),
-    )
-    return kernels.row(block.weights, rise, found, moved, given, unmodelled)
+def _slowest(moved: Smoothed) -> Array:
+    """The slowest (n, f) that each nu may be."""
+    std = np.sqrt(np.diagonal(moved.covariance, axis1=1, axis2=2))
+    left = np.maximum(np.abs(moved.velocity) - STANDSTILL_SIGMAS * std, 0.0)
+    return np.asarray(np.where(left > 0.0, np.copysign(left, moved.velocity), 0.0))
 
 
 def one_disturbance(cart: CartModel, noise: FilterNoise) -> Array:

@@ -27,7 +27,7 @@ from ..kernels.row_algebra import weights
 from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
-from .filtered_row import Block, is_slower, stands_still
+from .filtered_row import AskedRow, Block, is_slower, stands_still
 from .followed_memory import FollowedMemory
 from .load_hypotheses import HypothesesStart
 from .motion_tracker import MotionTracker
@@ -193,6 +193,8 @@ class ParameterLearner:
                 self.unfinished = self._block_of(part)
             case Block():
                 self.unfinished = self.learned.row_of(part)
+            case AskedRow():
+                self.unfinished = self.learned.worked_on(part)
             case RowStage():
                 self.unfinished = self.learned.take_in(*part)
             case HypothesisStage():

@@ -30,7 +30,7 @@ from ..disturbance.observer import PUSH_FORCE_STD
 from ..kernels.row_algebra import FilteredRow, UnmodelledNoise
 from ..load_change import load_covariance, root_of
 from .disturbance_level import DisturbanceLevel
-from .filtered_row import Block, filtered_row, one_disturbance
+from .filtered_row import AskedRow, Block, one_disturbance
 from .load_hypotheses import HypothesesStart, LearnedRow, LoadHypotheses
 from .load_monitor import CHI2_TEST_ROWS, LoadMonitor
 from .mass_products import MassProducts
@@ -38,6 +38,9 @@ from .regression_belief import Innovation, RegressionBelief
 from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, RowStage, UpdateStage
 from .scale import ScaleInformation
 from .wrench_noise_scale import WrenchNoiseScale
+
+SLICE_EVALUATIONS = 96
+"""Moments at which inverse dynamics are asked for in one slice of a row."""
 
 
 # Many methods: a row's way to what is told of it is one for each of its stages, so that no tick bears a whole row.
@@ -83,12 +86,20 @@ class RowLearning:
 
     # --- rows ------------------------------------------------------------------------------------------------
 
-    def row_of(self, block: Block) -> RowStage | None:
-        """A block's row; None while the scale is not known."""
-        known = Gaussian(self.theta, self.covariance)
-        row = filtered_row(self.cart, known, self._spread, block, self._unmodelled_noise)
-        told = RowStage(float(block.moved.time[-1]), row, block.weights.of_white)
-        return told if self._scale.is_known else self._with_scale(told, block)
+    def row_of(self, block: Block) -> AskedRow | RowStage | None:
+        """A block's row, worked out around what is believed now; see `worked_on`."""
+        return self.worked_on(AskedRow.of(block, Gaussian(self.theta, self.covariance), self._spread))
+
+    def worked_on(self, row: AskedRow) -> AskedRow | RowStage | None:
+        """The row after one slice more, of which one with few moments needs no other; None while the scale is not
+        known."""
+        if not row.is_told:
+            row = row.go_on(self.cart, SLICE_EVALUATIONS)
+            if not row.is_told or len(row.told) > 1:
+                return row
+        weights, time = row.block.weights, float(row.block.moved.time[-1])
+        told = RowStage(time, row.filtered(self.cart, self._unmodelled_noise), weights.of_white)
+        return told if self._scale.is_known else self._with_scale(told, row.block)
 
     def _with_scale(self, told: RowStage, block: Block) -> RowStage | None:
         """The row, with which the last ones count at last, too; None while the scale is not known."""

@@ -1,7 +1,7 @@
 """How far a row of the regression is worked out: fast loops go on by one stage, or a part of it, with each sample.
 
-SmoothingStage -> Block -> RowStage -> UpdateStage -> NoiseScaleStage -> DoneStage; while load hypotheses are open
-RowStage -> HypothesisStage -> UpdateStage, and where a row opens them NoiseScaleStage -> HypothesesStart ->
+SmoothingStage -> Block -> AskedRow -> RowStage -> UpdateStage -> NoiseScaleStage -> DoneStage; while load hypotheses
+are open RowStage -> HypothesisStage -> UpdateStage, and where a row opens them NoiseScaleStage -> HypothesesStart ->
 DoneStage.
 """
 
@@ -10,7 +10,7 @@ from __future__ import annotations
 from typing import NamedTuple
 
 from ..kernels.row_algebra import FilteredRow, Weights
-from .filtered_row import Block
+from .filtered_row import AskedRow, Block
 from .load_hypotheses import HypothesesStart, HypothesesUpdate, LoadHypotheses
 from .motion_tracker import Smoothing
 from .regression_belief import Innovation
@@ -70,5 +70,13 @@ class DoneStage(NamedTuple):
 
 
 Stage = (
-    SmoothingStage | Block | RowStage | HypothesisStage | UpdateStage | NoiseScaleStage | HypothesesStart | DoneStage
+    SmoothingStage
+    | Block
+    | AskedRow
+    | RowStage
+    | HypothesisStage
+    | UpdateStage
+    | NoiseScaleStage
+    | HypothesesStart
+    | DoneStage
 )

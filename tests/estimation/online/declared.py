@@ -1,12 +1,20 @@
-"""What a model leaves out of a row, as declared."""
+"""Rows of the regression, and what a model leaves out of them, as declared."""
 
 from __future__ import annotations
 
 from estimation.online.kernels.row_algebra import UnmodelledNoise
-from estimation.online.regressor.filtered_row import one_disturbance
+from estimation.online.regressor.filtered_row import AskedRow, one_disturbance
 
 
 def unmodelled_noise(cart, noise, scaled):
     """Disturbances are as loud as ever; a row is linear in the products of the `scaled` parameters with the mass."""
     density = noise.disturbance**2 * one_disturbance(cart, noise)
     return UnmodelledNoise(density, density, 1.0, scaled)
+
+
+def filtered_row(cart, known, spread, block, unmodelled):
+    """In slices of a size that blocks are no multiple of."""
+    row = AskedRow.of(block, known, spread)
+    while not row.is_told:
+        row = row.go_on(cart, 7)
+    return row.filtered(cart, unmodelled)

@@ -16,11 +16,11 @@ from estimation import CartFilter, FilterNoise, RegressorEstimator
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
 from estimation.online.kernels.row_parts import FILTER_RATE, MEMORY_ERROR_ROWS
-from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.regressor.filtered_row import Block
 from estimation.online.regressor.followed_memory import MAX_MEMORY_STD_RATIO, FollowedMemory
 
 from ..runs import wrench_rows
-from .declared import unmodelled_noise
+from .declared import filtered_row, unmodelled_noise
 
 TRAIL, TORQUE = 0.045, 0.12
 WHEELS = (

@@ -14,12 +14,12 @@ from estimation.gaussian import Gaussian
 from estimation.log_noise.log_noise import noise_of_log
 from estimation.online.kernels.row_algebra import Smoothed, weights
 from estimation.online.kernels.row_parts import NOMINAL_DELAY_PERIODS
-from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.regressor.filtered_row import Block
 from estimation.online.regressor.motion_tracker import MotionTracker
 from estimation.whole_log.replay import replay
 
 from ..runs import simulate, wrench_rows
-from .declared import unmodelled_noise
+from .declared import filtered_row, unmodelled_noise
 
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
 GUESS = CartModel(Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0), RollingResistance(0.015)))

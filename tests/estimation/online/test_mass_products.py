@@ -12,11 +12,11 @@ from cartgrasp.studies.scenario import filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import Gaussian
 from estimation.online.kernels.row_algebra import Smoothed, weights
-from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.regressor.filtered_row import Block
 from estimation.online.regressor.mass_products import LearnedParameters, MassProducts
 
 from ..runs import wrench_rows
-from .declared import unmodelled_noise
+from .declared import filtered_row, unmodelled_noise
 
 CART = CartModel(
     Inertia(24.0, (0.28, 0.06), 2.2), effects=(ViscousDrag(3.0), FloorSlope(0.01, 0.02), RollingResistance(0.02))

@@ -18,7 +18,7 @@ from estimation.online.kernels.row_algebra import FilteredRow, Smoothed, weights
 from estimation.online.kernels.row_parts import FILTER_RATE
 from estimation.online.load_change import root_of
 from estimation.online.regressor import regression_belief
-from estimation.online.regressor.filtered_row import Block, filtered_row
+from estimation.online.regressor.filtered_row import Block
 from estimation.online.regressor.load_monitor import LoadMonitor
 from estimation.online.regressor.mass_products import MassProducts
 from estimation.online.regressor.regression_belief import Innovation, RegressionBelief
@@ -27,7 +27,7 @@ from estimation.whole_log.replay import replay
 
 from ..runs import integrate, pushed, simulate, simulate_two_hands, wrench_rows
 from ..whole_log.test_identification import at_rest
-from .declared import unmodelled_noise
+from .declared import filtered_row, unmodelled_noise
 
 NONE = np.zeros(0, np.int64)
 TRUTH = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.02)
