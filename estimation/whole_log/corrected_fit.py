@@ -17,6 +17,7 @@ from scipy.linalg import eigh
 
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
+from cartgrasp.model import CartModel
 
 from ..discrepancy.search.model import Model
 from ..parameter_report import IDENTIFIABLE_STD_RATIO
@@ -48,6 +49,16 @@ class CorrectedFit:
     def free(self) -> np.ndarray:
         return np.flatnonzero(self.model.prior.free)
 
+    @property
+    def deviations(self) -> Array:
+        """Standard deviations (f,) of the coordinates that are free."""
+        return _deviations(self.covariance, len(self.free))
+
+    def beside_mass(self, cart: CartModel) -> Array:
+        """How far its free coordinates (f,) are from those of a cart, were the mass that one's."""
+        off = (coordinates(self.model.cart) - coordinates(cart))[self.free]
+        return np.asarray(off - self.with_mass[: len(off)] * off[0] if self.model.prior.free[0] else off)
+
     def between(self, bracket: float) -> CorrectedFit:
         """The fit with the mass in the middle of a bracket (a share of it) that a band leaves open beyond what
         scatters. All else goes along with the mass."""
@@ -65,7 +76,7 @@ class CorrectedFit:
         """Mass, CoM, inertia and the effects' values, and their standard deviations (p,); of what is not estimated, as
         it was believed."""
         cart, std = self.model.cart, self.model.prior.std.copy()
-        std[self.free] = _deviations(self.covariance, len(self.free))
+        std[self.free] = self.deviations
         body, scale = cart.inertia, np.ones(len(std))
         scale[[0, 3]] = body.mass, body.about_com
         return np.array([body.mass, *body.com, body.about_com, *cart.parameters[N_PHI:]]), std * scale
@@ -74,8 +85,7 @@ class CorrectedFit:
         """Which (p,) are known much better than they were believed at first, with standard deviations (p,)."""
         values, std = self.physical()
         shrunk = np.zeros(len(std), dtype=bool)
-        own = _deviations(self.covariance, len(self.free))
-        shrunk[self.free] = own < IDENTIFIABLE_STD_RATIO * self.model.prior.std[self.free]
+        shrunk[self.free] = self.deviations < IDENTIFIABLE_STD_RATIO * self.model.prior.std[self.free]
         return np.asarray(shrunk & (std < IDENTIFIABLE_STD_RATIO * first) & ~self.at_bound & np.isfinite(values))
 
     @property

@@ -21,6 +21,7 @@ from ...prior import Prior, report_names, report_units
 from ...weak_form.band import Band
 from ...weak_form.coordinates import bounds, coordinates, with_coordinates
 from ...weak_form.score import Score
+from ...whole_log.corrected_fit import CorrectedFit
 from ..search.gains import added, without_amplitudes
 from ..search.laws import Law
 from ..search.model import FORCE_LEVER_STD, Model
@@ -55,11 +56,13 @@ SIZE_FORM_FRACTION = 0.02
 @dataclass(frozen=True, eq=False)
 class Certainty:
     """How sure a model's numbers are. `bands` are those of logs that somebody pushed. `between_model` is a covariance
-    of its first guess's coordinates beside, for what explains about as much as what it has."""
+    of its first guess's coordinates beside, for what explains about as much as what it has. `corrected` is the same
+    model's fit without what noise in the motion does to it, where that is taken off."""
 
     model: Model
     bands: tuple[Band, ...] = ()
     between_model: Array | None = None
+    corrected: CorrectedFit | None = None
 
     @cached_property
     def _mass(self) -> tuple[float, float]:
@@ -76,13 +79,18 @@ class Certainty:
 
     @cached_property
     def _moved(self) -> Array:
-        """Change of the amplitudes of the rows' columns (q,) with the mass that is told."""
+        """Change of the amplitudes of the rows' columns (q,) with the mass that is told, and where noise in the motion
+        is taken off."""
         score = self.model.score
+        moved = 0.0 * score.fit
+        if self.corrected is not None:
+            off = self.corrected.beside_mass(self.model.cart)
+            moved[: len(off)] = off
         if not self.model.prior.free[0]:
-            return 0.0 * score.fit
+            return moved
         along = score.covariance[:, 0] / score.covariance[0, 0]
         change = self._mass[0] - coordinates(self.model.cart)[0]
-        return np.asarray(along * np.clip(change, -MAX_LOG_MASS_CHANGE, MAX_LOG_MASS_CHANGE))
+        return np.asarray(moved + along * np.clip(change, -MAX_LOG_MASS_CHANGE, MAX_LOG_MASS_CHANGE))
 
     @cached_property
     def laws(self) -> tuple[tuple[str, LearnedLaw], ...]:
@@ -130,9 +138,14 @@ class Certainty:
 
     @property
     def _covariance(self) -> Array:
-        """Covariance (q, q) of the amplitudes of the rows' columns, whatever the settings of added effects are."""
-        q = len(self.model.score.fit)
-        return self._joint[0][:q, :q]
+        """Covariance (q, q) of the amplitudes of the rows' columns, whatever the settings of added effects are. What
+        noise in the motion hides is as unsure as the fit without it says."""
+        q, stretch = len(self.model.score.fit), np.ones(len(self.model.score.fit))
+        found = self._joint[0][:q, :q]
+        if self.corrected is not None:
+            unsure = self.corrected.deviations
+            stretch[: len(unsure)] = np.maximum(unsure / np.sqrt(np.diagonal(found)[: len(unsure)]), 1.0)
+        return np.asarray(found * np.outer(stretch, stretch))
 
     @cached_property
     def _joint(self) -> tuple[Array, dict[str, float]]:

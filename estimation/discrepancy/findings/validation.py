@@ -7,7 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cartgrasp.inertia import N_PHI
+
 from ...weak_form.band import INERTIAL_EFFECTS, Band, pooled
+from ...weak_form.coordinates import coordinates, with_coordinates
+from ...whole_log.corrected_fit import corrected
+from ..log_check import moves
 from ..search.gains import added
 from ..search.laws import Law
 from ..search.model import Model
@@ -91,5 +96,18 @@ def rollout_error(rolled: Rollouts) -> float:
 
 
 def certainty_of(final: Model, steps: Sequence[SearchStep], known: Sequence[Band | None]) -> Certainty:
+    """Certainty of a model with the bands `known` of its logs. Of logs at rest nothing was fitted, so nothing is taken
+    off."""
     told = tuple(band for band in known if band is not None)
-    return Certainty(final, told, between_model_covariance(steps, final, len(final.guess.parameters)))
+    beside = between_model_covariance(steps, final, len(final.guess.parameters))
+    return Certainty(final, told, beside, corrected(_of_guessed_body(final)) if any(map(moves, final.logs)) else None)
+
+
+def _of_guessed_body(model: Model) -> Model:
+    """The model at the CoM, and the inertia per mass, of its first guess: to where noise in the motion has pulled a
+    body, rows that are made linear tell it too well."""
+    z, first = coordinates(model.cart), coordinates(model.guess)
+    first[3] += z[0] - first[0]
+    own = np.flatnonzero(model.prior.free[1:N_PHI]) + 1
+    z[own] = first[own]
+    return replace(model, cart=with_coordinates(model.cart, z))
