@@ -27,7 +27,7 @@ MAX_STABLE_STEP_RATE = 1.0
 MAX_REST_FRACTION = 0.2
 """Largest share of a rollout's time at rest: where a cart stands longer, anything may have held it."""
 DIVERGED_ERROR = 1e6
-"""Error (m, rad) of a rollout that has run away."""
+"""Way (m, rad) that a rollout has gone which has run away."""
 STIFFNESS_SAMPLES = 40
 """States at which stiffness is looked at."""
 
@@ -79,6 +79,7 @@ def rolled_out(
     planar, state = cart.planar_wrench(driven.wrench), balances.state(cart)[first].copy()
     start = np.hstack([driven.pose, driven.velocity])[first]
     state[:, : start.shape[1]] = start
+    begin = state[:, :3].copy()
     ends = (_steps(balances) if after is None else after).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
@@ -99,8 +100,8 @@ def rolled_out(
             last = first + k + 1
             inside = last < len(motion.time)
             inside[inside] = seen[last[inside]] == seen[first[inside]]
-            reached = np.nan_to_num(state[inside, :3], nan=DIVERGED_ERROR)
-            found[inside, ends.index(k + 1)] = np.clip(reached, -DIVERGED_ERROR, DIVERGED_ERROR)
+            way = np.nan_to_num(state[inside, :3] - begin[inside], nan=DIVERGED_ERROR)
+            found[inside, ends.index(k + 1)] = begin[inside] + np.clip(way, -DIVERGED_ERROR, DIVERGED_ERROR)
     return found
 
 

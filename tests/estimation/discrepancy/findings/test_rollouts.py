@@ -40,6 +40,18 @@ def test_a_rollout_of_a_wrong_mass_errs_by_its_acceleration():
     assert found.gaps()[HORIZONS.index(1.0)] == pytest.approx(0.05, abs=3e-4)
 
 
+@pytest.mark.parametrize("origin", [(5e5, 4e6), (-3e6, 0.0)])
+def test_where_a_map_has_its_origin_changes_no_rollout(origin):
+    """Metres of a map's grid are millions: places as far as a rollout that has run away had been taken for one."""
+    log = simulate(TRUTH, 0, 8.0)[0]
+    cart = CartModel(Inertia(20.0, (0.28, 0.06), 2.2), effects=DRAG)
+    near, far = (Balances.of(replace(log, pose=log.pose + np.append(there, 0.0)), cart) for there in ((0, 0), origin))
+    first = starts(near)
+    expected = rollouts(near, cart, first).gaps()
+    assert (expected > 1e-3).all()
+    assert rollouts(far, cart, first).gaps() == pytest.approx(expected, rel=0.02)
+
+
 def test_of_no_rollouts_there_are_none():
     assert joined([]).error.shape == (0, len(HORIZONS), 3)
 
