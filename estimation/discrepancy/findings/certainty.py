@@ -12,6 +12,7 @@ import numpy as np
 from cartgrasp.effects import ConstraintEffect, Effect, SensorEffect
 from cartgrasp.effects.effect import Gate
 from cartgrasp.effects.time_delay import TimeDelay
+from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
@@ -185,8 +186,7 @@ class Certainty:
         std = prior.std.copy()
         std[free] = np.sqrt(np.diagonal(self.covariance)[: len(free)])
         std = np.hypot(std, self._left_open)
-        if not model.is_pushed:
-            std[0] = 0.0  # as given
+        std[_given(model)] = 0.0
         body = cart.inertia
         values = np.concatenate([[body.mass, *body.com, body.about_com], cart.parameters[N_PHI:]])
         scale = np.ones(len(values))
@@ -247,6 +247,16 @@ class Certainty:
                 least = FORCE_LEVER_STD if name in "xy" else min(least, form)
             found[effect.keys[which]] = float(np.hypot(spread, least))
         return effect, found
+
+
+def _given(model: Model) -> np.ndarray:
+    """Which parameters (p,) are as given: known by the cart's file, and the mass where nobody pushes."""
+    known = model.guess.first_guess.known
+    found = [name in known for name in PHYSICAL_NAMES]
+    found[0] |= not model.is_pushed
+    for effect in model.cart.effects:
+        found += [effect.key in known or key in known for key in effect.keys]
+    return np.array(found)
 
 
 def sandwich(sums: Array, score: Score, groups: np.ndarray) -> Array:

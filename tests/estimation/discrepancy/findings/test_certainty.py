@@ -6,6 +6,7 @@ import numpy as np
 import pytest
 
 from cartgrasp.effects import RollingResistance, ViscousDrag
+from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
@@ -110,3 +111,16 @@ def test_a_straight_push_is_not_sure_of_what_it_does_not_show(pose, velocity, se
     assert not told["com_x"].identifiable
     for name, value in true.items():
         assert abs(told[name].value - value) < 3 * told[name].std
+
+
+def test_what_the_file_knows_has_no_deviation():
+    """A known mass had been told as ± 36 kg: by what nobody knows of one."""
+    known = FirstGuess(known=("mass", "viscous_drag"))
+    guess = replace(cart_of((24.0, 0.2, 0.0, 2.0, 3.0, 1.2)), first_guess=known)
+    told = Certainty(Model.started([Balances.of(noisy(weaving(TRUE), 0), guess)], guess)).parameters
+    for name in ("mass", "viscous_drag.linear", "viscous_drag.angular"):
+        assert told[name].std == 0.0
+        assert not told[name].identifiable
+    assert told["mass"].value == pytest.approx(24.0)
+    assert told["com_x"].identifiable
+    assert told["com_x"].std > 0.0
