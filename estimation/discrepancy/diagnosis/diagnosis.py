@@ -30,7 +30,7 @@ from ...weak_form.band import Band, bands, consistent
 from ...weak_form.log_segments import MAX_SEGMENT_POSE_GAP, segments, split_at_gaps
 from ..clock_offset import clock_offsets
 from ..findings.certainty import Certainty
-from ..findings.gap import DISAGREEMENT_NOISE_RATIO, MAX_GAP_LEFT_FRACTION, Gap, reported_gap
+from ..findings.gap import MAX_GAP_LEFT_FRACTION, Gap, reported_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
 from ..findings.named_effects import NamedEffect, doubtful_names, named_effects, named_stops
@@ -139,8 +139,8 @@ class Diagnosis:
 
     @cached_property
     def disagrees(self) -> bool:
-        """Whether the refitted nominal model is farther from the logs than noise, or follows something."""
-        return bool(self.effects) or self.gap.refitted > DISAGREEMENT_NOISE_RATIO * self.gap.noise_floor
+        """Whether the refitted nominal model is farther from the logs than one that is right, or follows something."""
+        return bool(self.effects) or self.gap.refitted > self.gap.allowed
 
     @cached_property
     def is_moved(self) -> bool:
@@ -153,8 +153,8 @@ class Diagnosis:
             return "no_discrepancy"
         if not self.effects:
             return "unexplained"
-        gap, noise = self.gap, DISAGREEMENT_NOISE_RATIO * self.gap.noise_floor
-        left, whole = gap.after**2 - noise**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
+        gap = self.gap
+        left, whole = gap.after**2 - gap.allowed**2, max(gap.refitted**2 - gap.noise_floor**2, 1e-12)
         return "partly_explained" if left > MAX_GAP_LEFT_FRACTION * whole else "explained"
 
     @cached_property

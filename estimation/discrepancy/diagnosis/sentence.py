@@ -31,9 +31,12 @@ def _of_model(found: Diagnosis) -> str:
     if not found.is_moved:
         return f"Nothing moves, so nothing is learned and the file's values stay; {floor}."
     if found.verdict == "no_discrepancy":
-        if gap.before > REFIT_IMPROVEMENT_RATIO * max(gap.refitted, gap.noise_floor):
+        if not gap.is_beyond_noise and gap.before > REFIT_IMPROVEMENT_RATIO * max(gap.refitted, gap.noise_floor):
             refitted += f" ({1e3 * gap.before:.1f} mm with the file's)"
             return f"With the parameters refitted, simulation and measurement agree: {refitted}, and {floor}."
+        if gap.is_beyond_noise:
+            open_to = f"what so little motion leaves open of the cart makes {1e3 * (gap.left_open or 0.0):.1f} mm"
+            return f"Nothing speaks against the model: {refitted}; {floor}, and {open_to}."
         return f"Simulation and measurement agree: {refitted}, and {floor}."
     if found.verdict == "unexplained":
         return f"They disagree, and nothing surely explains it: {refitted}, while {floor}.{_likeliest(found)}"

@@ -20,11 +20,13 @@ from ...weak_form.coordinates import coordinates, with_coordinates
 from ..search.model import Model, by_log
 from .fast_noise import fast_noise
 from .reported_mass import reported_mass
-from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, starts
+from .rollouts import HORIZONS, Rollouts, joined, noise_rollouts, rollouts, rollouts_beside, starts
 
 HELD_OUT_FOLDS = 3
 """Every third stretch is simulated with what the others teach, in turn."""
 NOISE_DRAWS = 3
+CART_DRAWS = 8
+"""Carts that are drawn of what a fit leaves open: they tell the size of what that does to a quarter."""
 MAX_LOG_INERTIA_CHANGE = 1.0
 """Largest change of a logarithm of mass or inertia: what a fold says beyond is no linear matter any more."""
 
@@ -53,6 +55,17 @@ def held_out_rollouts(model: Model) -> Rollouts:
     """Rollouts of each stretch with a cart that was fitted to the others."""
     carts = fold_carts(model)
     return joined([rollouts(balances, carts[k], first) for balances, k, first in fold_starts(model)])
+
+
+@cached_per_model
+def left_open_rollouts(model: Model) -> Rollouts:
+    """How far rollouts of each stretch go from those of the cart that was fitted to the others, by what these leave
+    open of it: carts are drawn of that."""
+    generator, carts, found = np.random.default_rng(0), fold_carts(model), list[Rollouts]()
+    others = [[_without(model, fold, generator) for _ in range(CART_DRAWS)] for fold in range(HELD_OUT_FOLDS)]
+    for balances, k, first in fold_starts(model):
+        found += rollouts_beside(balances, carts[k], others[k], first)
+    return joined(found)
 
 
 def fold_carts(model: Model) -> list[CartModel]:
@@ -88,8 +101,9 @@ def floor_rollouts(model: Model) -> Rollouts:
     return joined([noise_rollouts(b, model.cart, fast_noise(b, whole), generator, NOISE_DRAWS) for b in model.logs])
 
 
-def _without(model: Model, fold: int) -> CartModel:
-    """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is."""
+def _without(model: Model, fold: int, draws: np.random.Generator | None = None) -> CartModel:
+    """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is. Of
+    `draws`, one that they leave as likely."""
     z, q, free = coordinates(model.cart), len(model.prior_std), np.flatnonzero(model.prior.free)
     kept = model.sums[:, model.folds.stretches % HELD_OUT_FOLDS != fold].sum(axis=1)
     joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
@@ -103,6 +117,8 @@ def _without(model: Model, fold: int) -> CartModel:
         more = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
         more = float(np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE))
         step[own] += covariance[:, 0] / covariance[0, 0] * more
+    if draws is not None:
+        step[own] += np.linalg.cholesky(covariance) @ draws.standard_normal(len(own))
     far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
     step /= max(far / MAX_LOG_INERTIA_CHANGE, 1.0)
     z[free] += step[: len(free)]

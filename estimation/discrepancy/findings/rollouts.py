@@ -112,6 +112,14 @@ def rollouts(balances: Balances, cart: CartModel, first: np.ndarray) -> Rollouts
     return Rollouts(_in_body(measured, rolled_out(balances, cart, first)))
 
 
+def rollouts_beside(
+    balances: Balances, cart: CartModel, others: Sequence[CartModel], first: np.ndarray
+) -> list[Rollouts]:
+    """Rollouts of other carts: how far they are from those of a cart."""
+    own = rolled_out(balances, cart, first)
+    return [Rollouts(_in_body(own, rolled_out(balances, other, first))) for other in others]
+
+
 def noise_rollouts(
     balances: Balances, cart: CartModel, noise: Array, generator: np.random.Generator, n_draws: int
 ) -> Rollouts:

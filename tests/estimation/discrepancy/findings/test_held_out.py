@@ -5,11 +5,16 @@ from dataclasses import replace
 import numpy as np
 import pytest
 
+from cartgrasp.effects import ViscousDrag
+from cartgrasp.inertia import Inertia
+from cartgrasp.model import CartModel
+from estimation import diagnose
 from estimation.discrepancy.findings.held_out import _row_folds, fold_carts, held_out_rollouts
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
 from estimation.weak_form.band import band_in, bands, consistent
 
+from ...runs import simulate_two_hands
 from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
 
 LEANS = 0.012
@@ -42,3 +47,34 @@ def test_a_band_from_some_rows_knows_nothing_of_the_others():
     assert second.mass == pytest.approx(first.mass, rel=1e-9)
     first, second = (band_in(each, RAIL, RAIL) for each in both)
     assert second is None or second.mass > 1.2 * first.mass
+
+
+TRUE = (24.0, 0.28, 0.03, 2.2, 3.0, 1.2)
+GUESS = CartModel(Inertia(18.0, (0.2, 0.0), 1.6), effects=(ViscousDrag(3.0, 1.2),))
+
+
+def diagnosed(coulomb, seed, duration):
+    """Of a cart with so much dry friction, of which the model has none."""
+    return diagnose(simulate_two_hands((*TRUE, coulomb), seed, duration, (5e-4, 5e-3, 1.0)), GUESS)
+
+
+@pytest.mark.parametrize(("duration", "seed"), [(4.2, 4), (5.0, 0), (5.0, 2), (8.0, 1)])
+def test_a_short_log_of_a_right_model_does_not_disagree(duration, seed):
+    """What the other stretches leave open of the cart takes rollouts farther than noise does: not to be told as what a
+    model lacks."""
+    found = diagnosed(0.0, seed, duration)
+    assert found.gap.is_beyond_noise
+    assert found.gap.left_open > found.gap.noise_floor
+    assert found.verdict == "no_discrepancy"
+    assert "disagree" not in found.sentence
+    assert "leaves open" in found.sentence
+
+
+def test_a_short_log_of_a_wrong_model_disagrees():
+    assert diagnosed(0.03, 1, 8.0).verdict != "no_discrepancy"
+
+
+def test_what_is_left_open_is_asked_for_where_noise_does_not_explain_the_gap():
+    found = diagnosed(0.0, 0, 20.0)
+    assert not found.gap.is_beyond_noise
+    assert found.gap.as_dict()["left_open"] is None

@@ -19,6 +19,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel, WheelSet
 from estimation.discrepancy.diagnosis.diagnosis import Diagnosis
+from estimation.discrepancy.findings.gap import Gap
 from estimation.discrepancy.search.candidates import families
 from estimation.discrepancy.search.plausibility import is_plausible
 
@@ -39,7 +40,7 @@ WHEELS = WheelSet.of(
 )
 def test_a_gap_far_above_the_floor_is_not_explained(after, floor, verdict):
     """Unless little is left of what was there: 0.1 m."""
-    gap = SimpleNamespace(refitted=0.1, after=after, noise_floor=floor)
+    gap = Gap(0.1, 0.1, after, floor, {}, {})
     found = SimpleNamespace(disagrees=True, effects=("one",), gap=gap)
     assert Diagnosis.verdict.func(found) == verdict
 
