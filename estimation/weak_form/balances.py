@@ -17,6 +17,7 @@ from dataclasses import dataclass, replace
 from functools import cached_property
 
 import numpy as np
+from numpy.typing import ArrayLike
 
 from cartgrasp.effects import ConstraintEffect, Effect, ForceScale, SensorEffect
 from cartgrasp.effects.effect import Gate, InertiaEffect
@@ -68,7 +69,7 @@ class Balances:
     ) -> Balances:
         """Rows a tenth of a second apart, of a motion as `motion_of` has it."""
         motion = motion_of(log, cart, told, samples_per_knot)
-        late = max((cart.lateness(arm) for arm in log.arms), default=0.0)
+        late = [cart.lateness(arm) for arm in log.arms]
         wrenches, densities = GridWrenches.on(log, motion, late), wrench_densities(log, told)
         return cls(log.name, motion, wrenches, log, densities, 1, told, samples_per_knot).every(0.1)
 
@@ -85,8 +86,8 @@ class Balances:
         """The same rows, with another reference and noise."""
         return self._with_same_rows(replace(self, reference=reference, heard=heard))
 
-    def late(self, delay: float) -> Balances:
-        """The same rows with wrenches that were felt `delay` (s) before they were recorded."""
+    def late(self, delay: ArrayLike) -> Balances:
+        """The same rows with wrenches that were felt `delay` (s; of each arm, or of all) before they were recorded."""
         return self._with_same_rows(replace(self, wrenches=self.wrenches.late(self.log, delay)))
 
     def with_more_noise(self, cart: CartModel, generator: np.random.Generator) -> Balances:

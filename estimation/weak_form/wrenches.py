@@ -12,6 +12,7 @@ from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
+from numpy.typing import ArrayLike
 from scipy.interpolate import CubicHermiteSpline
 
 from cartgrasp.contacts import grasp_map_planar
@@ -63,8 +64,9 @@ class GridWrenches:
     ahead: np.ndarray
 
     @classmethod
-    def on(cls, log: RunLog, motion: Motion, delay: float = 0.0) -> GridWrenches:
-        """Wrenches of a log on a motion's grid, from sensors that tell what they felt `delay` (s) ago."""
+    def on(cls, log: RunLog, motion: Motion, delay: ArrayLike = 0.0) -> GridWrenches:
+        """Wrenches of a log on a motion's grid, from sensors that tell what they felt `delay` (s; of each arm, or of
+        all) ago."""
         shape, held = (len(log.arms), len(motion.time)), motion.seen.copy()
         contacts = np.zeros((*shape, 3))
         for i, arm in enumerate(log.arms.values()):
@@ -75,12 +77,13 @@ class GridWrenches:
         ahead = _before_none(whole.seen, round(MAX_SENSOR_DELAY / motion.step)) if log.arms else held
         return replace(whole, ahead=ahead).late(log, delay)
 
-    def late(self, log: RunLog, delay: float) -> GridWrenches:
-        """Wrenches of the same log, from sensors that tell what they felt `delay` (s) ago."""
+    def late(self, log: RunLog, delay: ArrayLike) -> GridWrenches:
+        """Wrenches of the same log, from sensors that tell what they felt `delay` (s; of each arm, or of all) ago."""
         recorded, seen = np.zeros_like(self.recorded), self.held.copy()
-        for i, arm in enumerate(log.arms.values()):
+        delays = np.broadcast_to(delay, len(log.arms)).tolist()
+        for i, (arm, own) in enumerate(zip(log.arms.values(), delays, strict=True)):
             known = np.isfinite(arm.wrench).all(axis=1)
-            recorded[i], near = _on_grid(log.time[known] - delay, arm.wrench[known], self.motion.time, self.motion.step)
+            recorded[i], near = _on_grid(log.time[known] - own, arm.wrench[known], self.motion.time, self.motion.step)
             seen &= near
         return replace(self, recorded=recorded, seen=seen)
 

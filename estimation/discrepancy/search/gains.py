@@ -51,7 +51,7 @@ def scored_candidate(model: Model, effect: Effect, tried: int) -> ScoredCandidat
     amplitudes."""
     colour: float | None = None
     if isinstance(effect, TimeDelay):
-        score = model.with_wrench_delay(effect.delay).score
+        score = model.felt_by(model.cart.with_effect(effect)).score
         fitted: Effect = effect
     else:
         columns, std = model.columns_of(effect)

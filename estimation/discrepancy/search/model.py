@@ -341,18 +341,19 @@ class Model:
         std = np.array([SCREENING_PRIOR_RATIO * effect.parameters[i].typical for i in own])
         return self.whitened([each[..., own] for each in raw]), std
 
-    def with_wrench_delay(self, delay: float) -> Model:
-        """The model with wrenches that were felt `delay` (s) before they were recorded."""
-        return replace(self, logs=tuple(balances.late(delay) for balances in self.logs))
+    def felt_by(self, cart: CartModel) -> Model:
+        """The model with each arm's wrenches as late as a cart's sensors are."""
+        late = (b.late(delays) for b, delays in zip(self.logs, _lateness(cart, self.logs), strict=True))
+        return replace(self, logs=tuple(late))
 
     @property
     def wrench_delay(self) -> float:
-        return wrench_delay(self.cart, self.logs)
+        """Lateness (s) of the latest arm."""
+        return max((late for of_log in _lateness(self.cart, self.logs) for late in of_log), default=0.0)
 
     def refitted(self, cart: CartModel) -> Model:
         """Another structure, fitted on rows that are whitened alike."""
-        delay = wrench_delay(cart, self.logs)
-        base = self.with_wrench_delay(delay) if delay != self.wrench_delay else self
+        base = self if _lateness(cart, self.logs) == _lateness(self.cart, self.logs) else self.felt_by(cart)
         model = replace(base, cart=cart, at_bound=None)
         prior = self._prior_of(cart)
         found = fit(list(zip(base.logs, base.whitenings, strict=True)), cart, prior, model.nuisance)
@@ -364,6 +365,6 @@ def by_log(rows: Array, logs: Sequence[Balances]) -> list[Array]:
     return np.split(rows, np.cumsum([len(balances.used) for balances in logs])[:-1])
 
 
-def wrench_delay(cart: CartModel, logs: Sequence[Balances]) -> float:
-    """Lateness (s) of the arms together, which is that of the latest."""
-    return max((cart.lateness(arm) for balances in logs for arm in balances.wrenches.arms), default=0.0)
+def _lateness(cart: CartModel, logs: Sequence[Balances]) -> list[list[float]]:
+    """Lateness (s) of each log's arms."""
+    return [[cart.lateness(arm) for arm in balances.wrenches.arms] for balances in logs]

@@ -92,7 +92,7 @@ class Screen:
 
     def _delayed(self, effect: TimeDelay) -> float:
         """Log of the Bayes factor, about, of a log whose wrenches were felt earlier."""
-        late = self.model.with_wrench_delay(effect.delay)
+        late = self.model.felt_by(self.model.cart.with_effect(effect))
         evidence = [
             log_evidence(m.folds.sums(m.rows).sum(axis=1), m.prior_std, self._scale, 0.0 * self._scale)
             for m in (late, self.model)

@@ -1,16 +1,21 @@
-"""What is met once, and what a motion meets again."""
+"""What is met once, and what a motion meets again; and how late each arm's wrenches are."""
 
+from dataclasses import replace
 from types import SimpleNamespace
 
 import numpy as np
 import pytest
 
-from cartgrasp.effects import ExternalPush, FloorPatch, ForceBias, PayloadChange
+from cartgrasp.effects import ExternalPush, FloorPatch, ForceBias, PayloadChange, TimeDelay, ViscousDrag
 from cartgrasp.inertia import Inertia
+from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.discrepancy.search.model import Model
 from estimation.discrepancy.search.scored_candidates import ScoredCandidate
+from estimation.weak_form.balances import Balances
+
+from ...runs import STEP, simulate_two_hands
 
 PATCH = FloorPatch(x_min=1.0, x_max=1.5, y_min=-1.0, y_max=1.0, coefficient=0.1)
 ON = np.linspace(0.0, 3.0, 301)
@@ -49,3 +54,26 @@ def test_a_push_is_over_and_a_load_stays():
 )
 def test_what_is_accepted_gains_enough_beside_forms_and_drift(forms, drift, own):
     assert ScoredCandidate(PATCH, 30.0, 1, beside_forms=forms, beside_drift=drift).own_gain == own
+
+
+def left_is_late(rows):
+    """A log without noise of two hands, of which the left one's sensor is so many rows late."""
+    log = simulate_two_hands((24.0, 0.28, 0.03, 2.2, 3.0, 1.2, 0.0), duration=15.0, noise=(0.0, 0.0, 0.0))
+    arm = log.arms["left"]
+    from_row = np.clip(np.arange(len(log)) - rows, 0, len(log) - 1)
+    return replace(log, arms={**log.arms, "left": ArmLog(arm.contact, arm.wrench[from_row])})
+
+
+@pytest.mark.parametrize("is_refitted", [False, True])
+def test_an_arm_is_as_late_as_its_own_sensor(is_refitted):
+    """And not as the latest arm's: a cart file that told one arm's delay had been told to lack something."""
+    cart = CartModel(Inertia(24.0, (0.28, 0.03), 2.2), effects=(ViscousDrag(3.0, 1.2),))
+    late = cart.with_effect(TimeDelay(8 * STEP, label="left"))
+    model = Model.started([Balances.of(left_is_late(8), cart if is_refitted else late)], cart if is_refitted else late)
+    model = model.refitted(late)
+    sound = Model.started([Balances.of(left_is_late(0), cart)], cart)
+    inner = slice(50, -50)
+    both = [one.logs[0].wrenches.planar(cart)[inner] for one in (model, sound)]
+    assert both[0] == pytest.approx(both[1], abs=1e-6)
+    assert model.wrench_delay == 8 * STEP
+    assert model.cart.inertia.mass == pytest.approx(24.0, abs=0.1)
