@@ -13,6 +13,7 @@ from cartgrasp.logs import RunLog, coasts
 from cartgrasp.model import CartModel
 
 from ..log_noise.log_noise import noise_of_log
+from ..log_noise.sample_step import usual_step
 from ..noise import FilterNoise
 from ..sensor_check import Suspicion
 from ..sensor_check.repeated_rows import without_repeats
@@ -79,12 +80,11 @@ def check_rows(log: RunLog) -> None:
         raise DataError(
             f"{log.name}: only {int(seen.sum())} rows have a whole pose (x, y, theta); {MIN_LOG_ROWS} are needed"
         )
-    step = float(np.median(np.diff(log.time)))
     whole = {f"the {what} is whole": np.isfinite(values).all(axis=1) for what, values in _of_arms(log).items()}
     if log.arms:
         whole["all arms together have wrenches and contact points"] = _with_wrenches(log)
     for what, rows in whole.items():
-        count = int(rows.sum())
+        count, step = int(rows.sum()), usual_step(log.time[rows])
         if count < MIN_LOG_ROWS or count * step < MIN_LOG_DURATION:
             raise DataError(
                 f"{log.name}: {what} in {count} rows only, {count * step:.1f} s; record at least "
@@ -120,7 +120,7 @@ def checked(log: RunLog, cart: CartModel, balances: Balances) -> LogCheck:
         name=log.name,
         rows=len(log),
         duration=log.duration,
-        rate=float(1 / np.median(steps)),
+        rate=1 / usual_step(log.time),
         longest_gap=float(steps.max()),
         rows_with_wrenches=int(_with_wrenches(log).sum()),
         stale_poses=int((np.isnan(fresh.pose) & ~np.isnan(log.pose)).any(axis=1).sum()),

@@ -35,6 +35,7 @@ from numpy.typing import NDArray
 from cartgrasp.frames import Array
 
 from ..log_noise.log_noise import MAD_TO_STD
+from ..log_noise.sample_step import usual_step
 
 CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS = 0.4, 8
 """s to either side, and rows where these are few: what a parabola follows, and what it takes to tell."""
@@ -173,8 +174,7 @@ def jump_at(track: Track, time: float, lasts: float) -> float:
 
 def reach_of(track: Track) -> float:
     """s to either side of an instant that are looked at."""
-    step = float(np.median(np.diff(track.time))) if len(track.time) > 1 else 0.0
-    return max(CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS * step)
+    return max(CORNER_HALF_WINDOW, MIN_HALF_WINDOW_ROWS * usual_step(track.time))
 
 
 def without_corner(found: Sequence[Corner], at: Array) -> tuple[Array, Array]:

@@ -18,6 +18,7 @@ from cartgrasp.model import CartModel
 
 from ..noise import FilterNoise
 from .resolution import ROUNDING_STD, resolution
+from .sample_step import usual_step
 from .velocity_autocorrelation import noise_scale
 
 MIN_POSITION_NOISE, MIN_VELOCITY_NOISE, MIN_FORCE_NOISE, MIN_MOMENT_NOISE = 2e-6, 1e-4, 0.01, 0.001
@@ -104,7 +105,7 @@ def velocity_noise(time: Array, place: Array, velocity: Array, white: tuple[floa
     time, place, velocity = time[seen], place[seen], velocity[seen]
     if len(time) < MIN_COMPARED_SPANS:
         return of_velocity
-    step = float(np.median(np.diff(time)))
+    step = usual_step(time)
     ends = np.flatnonzero(np.diff(np.floor((time - time[0]) / COMPARED_SPAN), prepend=-1.0))
     whole = np.diff(time[ends]) < 2.0 * COMPARED_SPAN  # without a hole
     way = np.append(0.0, np.cumsum(np.diff(time) * (velocity[1:] + velocity[:-1]) / 2.0))

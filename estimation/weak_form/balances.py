@@ -26,6 +26,7 @@ from cartgrasp.inertia import N_PHI
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..log_noise.sample_step import usual_step
 from ..noise import FilterNoise
 from ..standstill import HALF_TRACK, STANDSTILL_SPEED
 from .integrals import GRID_CHUNK_POINTS, Integrals
@@ -163,8 +164,9 @@ class Balances:
 
     @property
     def sample_step(self) -> float:
-        """Usual step (s) of the log's samples."""
-        return float(np.median(np.diff(self.log.time)))
+        """Usual step (s) of the samples of wrenches, of the arm whose come least often; of rows without an arm."""
+        steps = [usual_step(self.log.time[np.isfinite(a.wrench).all(axis=1)]) for a in self.log.arms.values()]
+        return max(steps, default=0.0) or usual_step(self.log.time)
 
     def timing(self, cart: CartModel) -> Array:
         """What the residual (k, c) lacks for each second that wrenches are late."""
@@ -337,8 +339,8 @@ class Balances:
 def wrench_densities(log: RunLog, told: FilterNoise | None, averaged: Sequence[float] | None = None) -> Array:
     """Roots of the densities (arms, 6) of the wrenches' noise (N/√Hz, N·m/√Hz), by means over blocks (s)."""
     if told is not None:
-        one = np.sqrt(np.diagonal(told.wrench_covariance) * float(np.median(np.diff(log.time))))
-        return np.tile(one, (len(log.arms), 1))
+        steps = [usual_step(log.time[np.isfinite(arm.wrench).all(axis=1)]) for arm in log.arms.values()]
+        return np.sqrt(np.outer(steps, np.diagonal(told.wrench_covariance))).reshape(-1, 6)
     arms = [[noise_density(log.time, axis, averaged) for axis in arm.wrench.T] for arm in log.arms.values()]
     return np.array(arms).reshape(-1, 6)
 

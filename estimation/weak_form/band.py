@@ -169,9 +169,8 @@ def band_in(balances: Balances, cart: CartModel, guess: CartModel, kept: np.ndar
 
 def acceleration_noise(balances: Balances) -> float:
     """Standard deviation (m/s) of a row of forward acceleration, by the noise of the motion's sensors."""
-    noise, order = balances.motion.noise, 2 if balances.motion.noise.velocity is None else 1
-    std = float((noise.pose if noise.velocity is None else noise.velocity)[0])
-    return float(std * (balances.sample_step * balances.overlap(order, 0)) ** 0.5)
+    density, derivative = balances.motion.noise.density
+    return float(density[0] * balances.overlap(2 - derivative, 0) ** 0.5)
 
 
 def _orthogonal(columns: Array) -> Array:

@@ -15,6 +15,7 @@ from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.tracked_point import composed, in_frame, inverted
 
+from ..log_noise.sample_step import usual_step
 from ..noise import FilterNoise
 from .quantisation import dequantised
 from .sensor_noise import MotionNoise
@@ -136,7 +137,7 @@ def motion_of(
         raise DataError(f"{log.name}: {int(seen.sum())} rows have a pose; at least {MIN_POSES} are needed")
     time = log.time[seen]
     moving = np.zeros(0) if log.velocity is None else log.time[np.isfinite(log.velocity).all(axis=1)]
-    native = float(np.median(np.diff(time)))
+    native = usual_step(time)
     step = max(GRID_STEP, MIN_SAMPLES_PER_KNOT * native / KNOT_STEPS)
     if samples_per_knot is not None:
         step = min(step, max(MIN_GRID_STEP, samples_per_knot * native / KNOT_STEPS))

@@ -91,7 +91,7 @@ class Errors:
         moved, order = motion_noise(balances, cart)
         together, across = Noise(wrench_covariance(balances, cart), moved, order), list[Noise]()
         if balances.motion.across is not None:
-            x, _, heading = balances.motion.noise.pose * balances.sample_step**0.5
+            x, _, heading = balances.motion.noise.pose_density
             turned = heading * np.sqrt((balances.motion.speed**2).mean())  # what goes ahead seems to go aside
             across.append(Noise(np.array([[MIN_VELOCITY_DENSITY**2 + turned**2]]), np.array([x]), 1))
         held, friction, forms = model_error(balances, cart)
@@ -294,11 +294,11 @@ def _covariance(balances: Balances, noise: Noise, off: Array) -> Array:
 def motion_noise(balances: Balances, cart: CartModel) -> tuple[Array, int]:
     """Root of the density (f,) of what the noise of the motion's sensors adds to the reduced wrench, and the order of
     the test functions' derivative through which it comes."""
-    noise, free, inertia = balances.motion.noise, cart.constraints.n_free, cart.inertia
+    free, inertia = cart.constraints.n_free, cart.inertia
     own = [0, 1, 2] if free == 3 else [0, 2][:free]
     heavy = np.array([inertia.mass, inertia.mass, inertia.phi[3]])[own]
-    std, order = (noise.pose, 2) if noise.velocity is None else (noise.velocity, 1)
-    return np.asarray(heavy * std[own] * balances.sample_step**0.5), order
+    density, derivative = balances.motion.noise.density
+    return np.asarray(heavy * density[own]), 2 - derivative
 
 
 def wrench_noise(balances: Balances, cart: CartModel) -> Array:

@@ -21,6 +21,7 @@ from cartgrasp.frames import Array
 from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 
+from ..log_noise.sample_step import usual_step
 from .motion import MAX_GAP_STEPS, Motion
 
 MIN_WRENCH_DENSITY, MIN_COVARIANCE_RATIO = 1e-4, 1e-9
@@ -166,14 +167,21 @@ def _on_grid(time: Array, values: Array, grid: Array, step: float) -> tuple[Arra
     """Values (n, k) at points of a grid, without what is faster than its `step`; and where samples are near (n,)."""
     if len(time) < 2:
         return np.zeros((len(grid), values.shape[1])), np.zeros(len(grid), dtype=bool)
-    native = float(np.median(np.diff(time)))
+    native = usual_step(time)
     edges = np.clip(np.append(grid - step / 2, grid[-1] + step / 2), time[0], time[-1])
     covered = np.diff(edges)
-    curve = CubicHermiteSpline(time, values, np.gradient(values, time, axis=0))
+    curve = CubicHermiteSpline(time, values, _slopes(time, values))
     mean = np.diff(curve.antiderivative()(edges), axis=0) / np.maximum(covered, 1e-12)[:, None]
     after = np.clip(np.searchsorted(time, grid), 1, len(time) - 1)
     near = (time[after] - time[after - 1] <= MAX_GAP_STEPS * max(native, step)) & (covered > 0.4 * step)
     return np.where(near[:, None], _of_means(mean, near), 0.0), np.asarray(near)
+
+
+def _slopes(time: Array, values: Array) -> Array:
+    """Slopes (n, k) at samples: of the straight line between their neighbours. Any that is nearer to one of these takes
+    its noise for a slope, the more the nearer that is."""
+    before, after = np.maximum(np.arange(len(time)) - 1, 0), np.minimum(np.arange(len(time)) + 1, len(time) - 1)
+    return np.asarray((values[after] - values[before]) / (time[after] - time[before])[:, None])
 
 
 def _of_means(mean: Array, known: np.ndarray) -> Array:

@@ -13,7 +13,7 @@ from cartgrasp.effects import RollingResistance, WheelDragImbalance
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation.weak_form.balances import Balances
-from estimation.weak_form.rows import DRY_FRICTION_SPEED, Errors, excess_noise, model_error
+from estimation.weak_form.rows import DRY_FRICTION_SPEED, Errors, excess_noise, model_error, motion_noise
 
 from .motions import TRUE, cart_of, noisy, weaving
 
@@ -178,3 +178,18 @@ def test_whitening_its_transpose_and_its_deviations_are_one_matrix(balances, see
     weights, matrix = random.standard_normal((3, k)), np.linalg.inv(whole(whiten, k, count))
     spread = np.einsum("bk,kcj->bcj", weights, matrix.reshape(k, count, -1))
     assert whiten.deviations(csr_array(weights)) == pytest.approx(np.sqrt((spread**2).sum(axis=2)))
+
+
+@pytest.mark.parametrize("every", [1, 5])
+@pytest.mark.parametrize("has_velocity", [False, True])
+def test_rows_are_as_loud_as_samples_of_the_motion_are_rare(every, has_velocity):
+    """Scatter of what is left of the true cart, by noise of poses, or of velocities, in every row or in every fifth."""
+    log, cart = weaving(TRUE, 60.0), cart_of(TRUE)
+    log = noisy(log, 1, 1e-3 if not has_velocity else 0.02, 2e-3, 0.0)
+    gone = np.arange(len(log.time)) % every != 0
+    pose, velocity = (np.where(gone[:, None], np.nan, each) for each in (log.pose, log.velocity))
+    balances = Balances.of(replace(log, pose=pose, velocity=velocity if has_velocity else None), cart).every(0.4)
+    density, order = motion_noise(balances, cart)
+    told = density * balances.overlap(order, 0) ** 0.5
+    left = balances.residual(cart)[0][:, :2]
+    assert left.std(axis=0) / told == pytest.approx(1.0, rel=0.3)
