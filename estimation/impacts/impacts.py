@@ -145,7 +145,7 @@ def _impact(poses: _Poses, tracks: Sequence[Track], hits: Sequence[Corner], i: i
 def _speed(track: Track, at: float, side: tuple[float, float]) -> float:
     """At one end of a stretch: of as much of it as a parabola follows."""
     low, high = side
-    for longest in (1.0, 2 / 3, 1 / 3):
+    for longest in (1.0, 2 / 3, 1 / 3, 1 / 6):
         length = longest * MAX_SPEED_FIT_DURATION
         stretch = (max(low, at - length), min(high, at + length))
         numbers, deviations = _fit(track.time, track.place, at, stretch, 3)
