@@ -55,10 +55,10 @@ def disagreements(
 
 
 def _apart(one: ParameterEstimate, other: ParameterEstimate) -> bool:
+    """Whether two values are not one; what is no number is none that another confirms."""
     off = abs(one.value - other.value)
-    return off > DISAGREEMENT_SIGMAS * math.hypot(one.std, other.std) and off > DISAGREEMENT_RATIO * max(
-        abs(one.value), abs(other.value)
-    )
+    within_noise = off <= DISAGREEMENT_SIGMAS * math.hypot(one.std, other.std)
+    return not (within_noise or off <= DISAGREEMENT_RATIO * max(abs(one.value), abs(other.value)))
 
 
 def _words(one: ParameterEstimate) -> str:

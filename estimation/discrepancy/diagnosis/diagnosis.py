@@ -34,7 +34,7 @@ from ..findings.gap import MAX_GAP_LEFT_FRACTION, Gap, reported_gap
 from ..findings.held_out import held_out_rollouts
 from ..findings.isolability import Isolability, isolability
 from ..findings.named_effects import NamedEffect, doubtful_names, named_effects, named_stops
-from ..findings.rollouts import starts
+from ..findings.rollouts import check_comparable, starts
 from ..findings.validation import certainty_of, closes_most, rollout_error, validated, without
 from ..findings.verdicts import may_follow
 from ..log_check import LogCheck, check_rows, checked, is_long_enough, moves, with_clock_offsets, with_suspicions
@@ -333,6 +333,8 @@ def _diagnosed(
         known += [consistent(bands(part, cart)) for part in between] or [band]
         hits += found
     is_moved = any(moves(balances) for balances in parts)
+    if is_moved and not end_stops(hits):
+        check_comparable(parts)
     found_in = searched(parts, known, cart, candidates, tell, closes_most) if is_moved else at_rest(parts, cart)
     nominal, final, steps, widest = found_in
     final, withdrawn = validated(final, nominal, widest)

@@ -8,6 +8,7 @@ from functools import partial
 
 import numpy as np
 
+from cartgrasp.errors import DataError
 from cartgrasp.frames import Array, body_to_world, wrap_angle
 from cartgrasp.model import CartModel
 from cartgrasp.simulation.integrate import runge_kutta_4
@@ -62,6 +63,17 @@ def starts(balances: Balances) -> np.ndarray:
     stands = np.append(0, np.cumsum(balances.turning_speed < STANDSTILL_SPEED))
     moves = stands[first + last] - stands[first] < MAX_REST_FRACTION * last
     return np.asarray(first[(unseen[first + last] == unseen[first]) & moves])
+
+
+def check_comparable(parts: Sequence[Balances]) -> None:
+    """Refuses logs without a stretch from which a rollout begins: none would tell whether a model is right."""
+    if not any(len(starts(balances)) for balances in parts):
+        names = ", ".join(dict.fromkeys(balances.name for balances in parts))
+        raise DataError(
+            f"{names}: nowhere is the cart seen on the move, with all wrenches, for {HORIZONS[1]:g} s on end, so no "
+            "simulation can be held against it; record it without gaps and pauses, or learn its numbers by "
+            "`cartgrasp identify`"
+        )
 
 
 def rolled_out(

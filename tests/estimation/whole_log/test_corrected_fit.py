@@ -1,5 +1,6 @@
 """Fits that noise in the motion does not pull, that are refused where they foretell worse, or are contradicted."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -113,3 +114,10 @@ def test_a_disagreement_is_told(whole, online, told):
     words = disagreements({"mass": whole}, {"mass": online}, "ok")
     assert bool(words) == told
     assert all("20 ± " in one and "24 ± 0.1 kg" in one for one in words)
+
+
+def test_what_is_no_number_confirms_nothing():
+    sound, lost = ({"mass": ParameterEstimate(value, 0.1, "kg", value > 0.0)} for value in (24.0, math.nan))
+    for whole, online in ((sound, lost), (lost, sound)):
+        (words,) = disagreements(whole, online, "diverged")
+        assert "nan" in words

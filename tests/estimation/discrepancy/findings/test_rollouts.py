@@ -11,6 +11,7 @@ from cartgrasp.inertia import Inertia
 from cartgrasp.logs import ArmLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
+from estimation import diagnose
 from estimation.discrepancy.findings import rollouts as module
 from estimation.discrepancy.findings.fast_noise import MAX_FAST_NOISE_RATIO
 from estimation.discrepancy.findings.gap import measured_gap
@@ -50,6 +51,17 @@ def test_where_a_map_has_its_origin_changes_no_rollout(origin):
     expected = rollouts(near, cart, first).gaps()
     assert (expected > 1e-3).all()
     assert rollouts(far, cart, first).gaps() == pytest.approx(expected, rel=0.02)
+
+
+def test_where_no_rollout_begins_nothing_is_told_to_agree():
+    """Of wrenches that are blank for 60 ms in every 0.95 s; the cart has a drag that its model lacks. As of a cart at
+    rest, the gap had been told as the noise of its poses."""
+    log = simulate((*TRUTH[:6], 0.03), 0, 12.0)[0]
+    (name, arm), *_ = log.arms.items()
+    blank = (log.time[:, None] % 0.95) < 0.06
+    gaps = replace(log, arms={name: ArmLog(arm.contact, np.where(blank, np.nan, arm.wrench))})
+    with pytest.raises(DataError, match="for 1 s on end"):
+        diagnose(gaps, CART)
 
 
 def test_of_no_rollouts_there_are_none():
