@@ -114,9 +114,11 @@ def _without(model: Model, fold: int, draws: np.random.Generator | None = None) 
     step[own] = covariance @ (joint[:q, q] - information @ here)[own]
     if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
         mass = float(z[0] + step[0])
-        more = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)[0] - mass
-        more = float(np.clip(more, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE))
-        step[own] += covariance[:, 0] / covariance[0, 0] * more
+        told, std = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)
+        more = float(np.clip(told - mass, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE))
+        along = covariance[:, 0] / covariance[0, 0]
+        step[own] += along * more
+        covariance = covariance + np.outer(along, along) * max(std**2 - covariance[0, 0], 0.0)
     if draws is not None:
         step[own] += np.linalg.cholesky(covariance) @ draws.standard_normal(len(own))
     far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)

@@ -9,10 +9,11 @@ from cartgrasp.effects import ViscousDrag
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
 from estimation import diagnose
-from estimation.discrepancy.findings.held_out import _row_folds, fold_carts, held_out_rollouts
+from estimation.discrepancy.findings import held_out
+from estimation.discrepancy.findings.held_out import _row_folds, fold_carts, held_out_rollouts, left_open_rollouts
 from estimation.discrepancy.search.model import Model
 from estimation.weak_form.balances import Balances
-from estimation.weak_form.band import band_in, bands, consistent
+from estimation.weak_form.band import Band, band_in, bands, consistent
 
 from ...runs import simulate_two_hands
 from ...weak_form.motions import RAIL, RAIL_MASS, on_rail
@@ -31,6 +32,14 @@ def test_the_mass_of_each_fold_is_in_the_middle_of_its_bracket(seed):
     off, less = (np.abs(np.array(each) - RAIL_MASS) for each in (raw, masses))
     assert (less <= np.maximum(0.85 * off, 0.005 * RAIL_MASS)).all()
     assert held_out_rollouts(told).gaps()[1] < 1.001 * held_out_rollouts(model).gaps()[1]
+
+
+def test_a_mass_that_a_bracket_leaves_open_leaves_rollouts_open(monkeypatch):
+    """Half of it is 3 kg of 20, where rows alone tell the mass of a fold to 0.6 kg."""
+    model = Model.started([Balances.of(on_rail(share=LEANS), RAIL)], RAIL)
+    monkeypatch.setattr(held_out, "band_in", lambda *_: Band(0.1, RAIL_MASS, 0.1, 3.0))
+    raw, told = (left_open_rollouts(each).gaps()[1] for each in (model, replace(model, band_steps=(0.1,))))
+    assert told > 2 * raw > 0.0
 
 
 def test_a_band_from_some_rows_knows_nothing_of_the_others():
