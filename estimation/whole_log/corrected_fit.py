@@ -38,12 +38,14 @@ MIN_NOISE_DRAW_ROWS, MAX_NOISE_DRAWS = 400, 4
 @dataclass(frozen=True, eq=False)
 class CorrectedFit:
     """`covariance` (q, q) is of the coordinates that are free, then of what is unknown beside them, which go
-    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are parameters that stand at one."""
+    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are parameters that stand at one. It is
+    settled if the last round moved it by less than its deviations."""
 
     model: Model
     covariance: Array
     with_mass: Array
     at_bound: np.ndarray
+    is_settled: bool = True
 
     @property
     def free(self) -> np.ndarray:
@@ -112,7 +114,8 @@ def corrected(model: Model) -> CorrectedFit:
             break
         before = most
     covariance = found.covariance
-    return CorrectedFit(model, equations.scatter(covariance), covariance[0] / covariance[0, 0], found.at_bound)
+    with_mass = covariance[0] / covariance[0, 0]
+    return CorrectedFit(model, equations.scatter(covariance), with_mass, found.at_bound, most < 1.0)
 
 
 @dataclass(frozen=True, eq=False)

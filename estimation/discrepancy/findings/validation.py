@@ -7,11 +7,12 @@ from dataclasses import replace
 
 import numpy as np
 
+from cartgrasp.errors import UsageError
 from cartgrasp.inertia import N_PHI
 
 from ...weak_form.band import INERTIAL_EFFECTS, Band, pooled
 from ...weak_form.coordinates import coordinates, with_coordinates
-from ...whole_log.corrected_fit import corrected
+from ...whole_log.corrected_fit import CorrectedFit, corrected
 from ..log_check import moves
 from ..search.gains import added
 from ..search.laws import Law
@@ -96,11 +97,27 @@ def rollout_error(rolled: Rollouts) -> float:
 
 
 def certainty_of(final: Model, steps: Sequence[SearchStep], known: Sequence[Band | None]) -> Certainty:
-    """Certainty of a model with the bands `known` of its logs. Of logs at rest nothing was fitted, so nothing is taken
-    off."""
+    """Certainty of a model with the bands `known` of its logs."""
     told = tuple(band for band in known if band is not None)
     beside = between_model_covariance(steps, final, len(final.guess.parameters))
-    return Certainty(final, told, beside, corrected(_of_guessed_body(final)) if any(map(moves, final.logs)) else None)
+    return Certainty(final, told, beside, _corrected(final))
+
+
+def _corrected(final: Model) -> CorrectedFit | None:
+    """The model without what noise in the motion does to it; None of logs at rest, of which nothing was fitted. Where
+    no cart is found that stays, CoM and inertia are as unsure as they are believed to be."""
+    if not any(map(moves, final.logs)):
+        return None
+    try:
+        with np.errstate(all="ignore"):  # what runs away does not settle
+            found = corrected(_of_guessed_body(final))
+    except (UsageError, np.linalg.LinAlgError):
+        found = None
+    if found is not None and found.is_settled:
+        return found
+    body = np.arange(len(final.prior.free))
+    unsure = np.where((body > 0) & (body < N_PHI), final.prior.std, 0.0)[final.prior.free]
+    return CorrectedFit(final, np.diag(unsure**2), np.zeros(len(unsure)), np.zeros(len(body), dtype=bool), False)
 
 
 def _of_guessed_body(model: Model) -> Model:

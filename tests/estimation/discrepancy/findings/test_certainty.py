@@ -8,6 +8,7 @@ import pytest
 from cartgrasp.effects import RollingResistance, ViscousDrag
 from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia
+from cartgrasp.logs import RunLog
 from cartgrasp.model import CartModel
 from cartgrasp.wheels import Wheel
 from estimation import diagnose
@@ -124,3 +125,18 @@ def test_what_the_file_knows_has_no_deviation():
     assert told["mass"].value == pytest.approx(24.0)
     assert told["com_x"].identifiable
     assert told["com_x"].std > 0.0
+
+
+def test_a_cart_that_coasts_straight_on_tells_its_drag_alone():
+    """Speed falls by e in 8 s, so 2.5 N·s/m of 20 kg. No row tells of a body, and taking noise off finds none."""
+    time, random = 0.01 * np.arange(1200), np.random.default_rng(0)
+    pose = np.pad(9.6 * (1.0 - np.exp(-time / 8.0))[:, None], ((0, 0), (0, 2)))
+    log = RunLog(time, pose + 5e-4 * random.standard_normal(pose.shape), None, {})
+    guess = CartModel(Inertia(20.0, (0.2, 0.0), 1.6), effects=(ViscousDrag(3.0, 1.2),))
+    told = {name: one for name, (_, one) in diagnose(log, guess).file_parameters.items()}
+    assert told["viscous_drag.linear"].identifiable
+    assert told["viscous_drag.linear"].value == pytest.approx(2.5, abs=0.01)
+    for name, value, least in (("com_x", 0.2, 0.4), ("com_y", 0.0, 0.4), ("inertia", 1.6, 1.6)):
+        assert told[name].value == pytest.approx(value, abs=0.05)
+        assert told[name].std > least
+        assert not told[name].identifiable
