@@ -340,7 +340,7 @@ def wrench_densities(log: RunLog, told: FilterNoise | None, averaged: Sequence[f
     """Roots of the densities (arms, 6) of the wrenches' noise (N/√Hz, N·m/√Hz), by means over blocks (s)."""
     if told is not None:
         steps = [usual_step(log.time[np.isfinite(arm.wrench).all(axis=1)]) for arm in log.arms.values()]
-        return np.sqrt(np.outer(steps, np.diagonal(told.wrench_covariance))).reshape(-1, 6)
+        return np.asarray(np.sqrt(np.outer(steps, np.diagonal(told.wrench_covariance)))).reshape(-1, 6)
     arms = [[noise_density(log.time, axis, averaged) for axis in arm.wrench.T] for arm in log.arms.values()]
     return np.array(arms).reshape(-1, 6)
 

@@ -38,8 +38,8 @@ MIN_NOISE_DRAW_ROWS, MAX_NOISE_DRAWS = 400, 4
 @dataclass(frozen=True, eq=False)
 class CorrectedFit:
     """`covariance` (q, q) is of the coordinates that are free, then of what is unknown beside them, which go
-    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are parameters that stand at one. It is
-    settled if the last round moved it by less than its deviations."""
+    `with_mass` (q,) as its logarithm grows; `at_bound` (p,) are parameters that stand at one. It is settled if
+    the last round moved it by less than its deviations."""
 
     model: Model
     covariance: Array
