@@ -118,6 +118,7 @@ REASONS: dict[str, dict[str, str]] = {
     "discrepancy.findings.held_out": {
         "HELD_OUT_FOLDS": "number of folds",
         "NOISE_DRAWS": "effort",
+        "CART_DRAWS": "effort",
         "MAX_LOG_INERTIA_CHANGE": "of a linear step",
     },
     "discrepancy.findings.isolability": {
