@@ -47,10 +47,12 @@ class WrenchPolytope:
 
     @classmethod
     def of(cls, arm: Arm) -> WrenchPolytope:
-        """The polytope of all limits that the arm states about itself; its friction must have a number of sides."""
+        """The polytope of all limits that the arm states about itself; what has `sides` must have a number of them."""
         stated = limits_of(arm)
         if stated.cones:
-            raise UsageError(f"arm {arm.name}: a polytope needs friction with a number of sides, not an exact cone")
+            cone = stated.cones[0].name
+            why = f"a polytope needs linear limits alone, not `{cone}`; set its `sides` to a number, or give rows"
+            raise UsageError(f"arm {arm.name}: {why}")
         rows = np.vstack([np.eye(6), -np.eye(6), stated.rows, -stated.rows])
         limits = np.concatenate([stated.upper, -stated.lower, stated.limits, -stated.low_limits])
         names = (*stated.upper_names, *stated.lower_names, *stated.names, *stated.low_names)

@@ -142,7 +142,8 @@ def test_a_force_acts_somewhere(kind):
 
 @every_fixed_effect
 def test_speaks_the_contracts_language(kind):
-    assert {p.name: p.unit for p in kind.parameters} == CONTRACT.get(kind.name, {}) | BEYOND_CONTRACT.get(kind.name, {})
+    told = CONTRACT.get(kind.name, {}) | BEYOND_CONTRACT.get(kind.name, {})
+    assert {p.name: p.unit for p in kind.parameters} == told, "its row of CONTRACT has its parameters' units"
     assert [f.name for f in fields(kind) if f.name != "label"] == [p.name for p in kind.parameters]
     assert len(kind.signature.split()) > 4
     for parameter in kind.parameters:
