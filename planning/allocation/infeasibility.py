@@ -19,7 +19,7 @@ import numpy as np
 from cartgrasp.contacts import grasp_map_planar
 from cartgrasp.frames import Array
 
-from ..quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
+from ..quadratic_program import OPTIMAL, Cone, QPSolution, QuadraticProgram
 from ..solvers import QuadraticSolver, solve_with_clarabel
 from .allocation_template import AllocationTemplate, in_words
 from .duality import Cut, farkas_cut
@@ -164,10 +164,17 @@ def conflicting_limits(
         name, value = high if y > 0 else low
         if abs(y) > smallest and np.isfinite(value):
             found[name] = Bound(float(value), unit)
-    cone_names = [cone.name for cone in fixed.cones] + [cone.name for cone in cart.cones]
-    pairs = zip(cone_names, solution.cone_multipliers, strict=True)
-    found.update({name: Bound(0.0, "N") for name, z in pairs if z[0] > smallest})
+    cones = [(cone.name, _cone_bound(cone, template.n)) for cone in fixed.cones]
+    cones += [(cone.name, Bound(0.0, "N")) for cone in cart.cones]
+    pairs = zip(cones, solution.cone_multipliers, strict=True)
+    found.update({name: bound for (name, bound), z in pairs if z[0] > smallest})
     return found
+
+
+def _cone_bound(cone: Cone, n: int) -> Bound:
+    """The largest norm of a cone with a fixed axis; 0 where that grows with the wrenches, as friction does."""
+    is_fixed = not cone.rows[0].any()
+    return Bound(float(cone.offset[0]), _unit(np.abs(cone.rows).sum(axis=0), n)) if is_fixed else Bound(0.0, "N")
 
 
 def _unit(row: Array, n: int) -> str:

@@ -19,6 +19,7 @@ from planning.quadratic_program import Cone
 
 UNLIMITED, NO_ROWS, NO_LIMITS = np.full(6, np.inf), np.zeros((0, 6)), np.zeros(0)
 UNLIMITED.setflags(write=False)
+CONE_FORM = "give it a name, rows (k, 6) and an offset (k,), the cone's axis first"
 
 
 @dataclass(frozen=True, eq=False)
@@ -120,8 +121,15 @@ def user_rows(limit: UserLimit, arm: Arm) -> LimitRows:
         names = getattr(rows, part)
         if len(names) != count or not all(names):
             raise UsageError(f"{where}: {part}: {list(names)} are not {count} names; name each, as plans tell them")
+    for cone in rows.cones:
+        check_kind(f"{where}: cones", cone, Cone, "return LimitRows(cones=(Cone(name, rows, offset),))")
+        sizes = np.shape(cone.rows), np.shape(cone.offset)
+        if not cone.name or len(sizes[0]) != 2 or sizes != ((len(cone.rows), 6), (len(cone.rows),)) or not sizes[1][0]:
+            raise UsageError(f"{where}: cones: {cone.name!r} has rows {sizes[0]} and an offset {sizes[1]}; {CONE_FORM}")
+        if not (np.isfinite(cone.rows).all() and np.isfinite(cone.offset).all()):
+            raise UsageError(f"{where}: cones: {cone.name} has what is no number; give N and N·m")
     low, high = np.r_[rows.lower, rows.low_limits], np.r_[rows.upper, rows.limits]
-    if (low > 0).any() or (high < 0).any():
+    if (low > 0).any() or (high < 0).any() or any(np.linalg.norm(c.offset[1:]) > c.offset[0] for c in rows.cones):
         raise UsageError(f"{where}: it leaves out the wrench 0, so an arm that lets go would break it; take that in")
     return rows
 

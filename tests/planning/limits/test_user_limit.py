@@ -9,6 +9,7 @@ import pytest
 from cartgrasp.errors import UsageError
 from planning import EmbeddedProblem, Limit, LimitRows, WrenchPlanner, WrenchPolytope
 from planning.limits import limits_of
+from planning.quadratic_program import Cone
 
 from ..drawn import arm, cart
 
@@ -74,6 +75,16 @@ def test_of_two_the_tighter_counts():
 
 
 GOOD = PullLimit().rows(None)
+ROUND = Cone("moments upper", np.vstack([np.zeros(6), np.eye(6)[3:]]), np.array([3.0, 0.0, 0.0, 0.0]))
+
+
+def test_a_cone_with_a_fixed_axis_is_told_with_its_bound():
+    """It was told as 0 N."""
+    round_off = Given(LimitRows(cones=(ROUND,)))
+    plan = WrenchPlanner(cart(), [hand(round_off)]).plan((0.0, 0.0, 40.0))
+    assert plan.status == "infeasible"
+    assert plan.certificate.limits["hand: moments upper"] == pytest.approx(3.0)
+    assert "hand: moments upper 3 N·m" in plan.certificate.words
 
 
 @pytest.mark.parametrize(
@@ -86,6 +97,15 @@ GOOD = PullLimit().rows(None)
         (replace(GOOD, limits=np.array([np.nan])), r"limits: \[nan\] is not \(1,\) numbers"),
         (replace(GOOD, limits=np.array([-1.0])), "leaves out the wrench 0"),
         (replace(GOOD, lower=np.full(6, 1.0)), "leaves out the wrench 0"),
+        (replace(GOOD, cones=("round",)), "cones: round is no Cone"),
+        (
+            replace(GOOD, cones=(replace(ROUND, name=""),)),
+            r"cones: '' has rows \(4, 6\) and an offset \(4,\); give it a",
+        ),
+        (replace(GOOD, cones=(replace(ROUND, offset=np.ones(3)),)), r"has rows \(4, 6\) and an offset \(3,\)"),
+        (replace(GOOD, cones=(replace(ROUND, rows=np.ones((4, 3))),)), r"has rows \(4, 3\)"),
+        (replace(GOOD, cones=(replace(ROUND, offset=np.full(4, np.nan)),)), "moments upper has what is no number"),
+        (replace(GOOD, cones=(replace(ROUND, offset=np.array([1.0, 2.0, 0.0, 0.0])),)), "leaves out the wrench 0"),
     ],
 )
 def test_what_is_wrong_with_its_rows_is_said(said, words):
