@@ -94,5 +94,5 @@ class CartFilter(OnlineEstimator[AlignedFilter]):
         """How pose, velocity and wrench do."""
         return dict(self._core.sensors)
 
-    def _told(self) -> Estimate:
+    def _core_estimate(self) -> Estimate:
         return self._core.estimate()

@@ -43,34 +43,34 @@ class OnlineEstimator(ABC, Generic[C]):
     def __init__(self, made_of: EstimatorArguments, core: C) -> None:
         self.cart, self.arms, self.noise, self.prior, _ = made_of
         self._tracked, self._sensor_monitor = TrackedPoint(self.cart.pose_tb), SensorMonitor(*made_of)
-        self._samples, self._clock = LateSamples(core), ClockMonitor()
-        self._repeats, self._repeated_velocities = RepeatedPoses(), RepeatedVelocities()
-        self._frozen, self._arms_seen = FrozenWrenches(), ArmMonitor(self.cart, self.arms)
+        self._samples, self._clock_monitor = LateSamples(core), ClockMonitor()
+        self._repeated_poses, self._repeated_velocities = RepeatedPoses(), RepeatedVelocities()
+        self._frozen_wrenches, self._arm_monitor = FrozenWrenches(), ArmMonitor(self.cart, self.arms)
         self._motion: Motion | None = None  # as told last
 
     @abstractmethod
-    def _told(self) -> Estimate:
+    def _core_estimate(self) -> Estimate:
         """What is known at the time of the newest sample."""
 
     def update(self, measurement: Measurement) -> Estimate:
         """Predicts to the measurement's time, takes in what it holds, and says what is known. Of a late one, what is
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         check_measurement(measurement)
-        samples, watch = self._samples, self._sensor_monitor
+        samples, monitor = self._samples, self._sensor_monitor
         sample = samples.on_steady_clock(self._tracked.at_body(measurement))
-        sample = self._repeated_velocities.without_repeats(self._repeats.without_repeats(sample, self._motion))
-        sample = self._frozen.without_frozen(self._arms_seen.within_range(sample))
-        before = samples.state.time
+        sample = self._repeated_velocities.without_repeats(self._repeated_poses.without_repeats(sample, self._motion))
+        sample = self._frozen_wrenches.without_frozen(self._arm_monitor.within_range(sample))
+        newest_before = samples.state.time
         is_taken = samples.take(sample)
-        self._clock.note(sample)
-        self._arms_seen.note(sample)
+        self._clock_monitor.note(sample)
+        self._arm_monitor.note(sample)
         now = measurement.time + samples.clock_offset
         if is_taken:
-            watch.samples.note(sample if sample.time == now else replace(sample, time=now), samples.state.time)
-        is_slow = not now - before < SLOW_LOOP_INTERVAL
-        is_free = now >= watch.samples.due and (is_slow or (now > before and not samples.state.worked))
-        if is_free and watch.go_on(now, at_once=is_slow):
-            samples.scale_noise(watch.noise_factors)
+            monitor.samples.note(sample if sample.time == now else replace(sample, time=now), samples.state.time)
+        is_slow = not now - newest_before < SLOW_LOOP_INTERVAL
+        is_free = now >= monitor.samples.due and (is_slow or (now > newest_before and not samples.state.worked))
+        if is_free and monitor.go_on(now, at_once=is_slow):
+            samples.scale_noise(monitor.noise_factors)
         found = self.estimate
         self._motion = found.motion
         return found if is_taken else found._replace(health=Health.CLOCK)
@@ -94,16 +94,16 @@ class OnlineEstimator(ABC, Generic[C]):
 
     @property
     def estimate(self) -> Estimate:
-        found, offset = without_slope(self._told(), self.cart), self._samples.clock_offset
-        if self._clock.is_lost:
+        found, offset = without_slope(self._core_estimate(), self.cart), self._samples.clock_offset
+        if self._clock_monitor.is_lost:
             found = found._replace(health=Health.STALE)
-        told = (*self._clock.suspicions, *self._sensor_monitor.suspicions)
+        suspicions = (*self._clock_monitor.suspicions, *self._sensor_monitor.suspicions)
         if found.health == Health.NO_WRENCH:
-            told = (*told, *self._arms_seen.suspicions, *self._frozen.suspicions)
+            suspicions = (*suspicions, *self._arm_monitor.suspicions, *self._frozen_wrenches.suspicions)
         if found.health != Health.INCONSISTENT:  # under a model that does not fit, nobody knows what is noise
-            told = (*told, *self._samples.state.wrench_noise_scale.suspicions)
-        if told:
-            found = qualified(found, told)
+            suspicions = (*suspicions, *self._samples.state.wrench_noise_scale.suspicions)
+        if suspicions:
+            found = qualified(found, suspicions)
         return found._replace(time=found.time - offset) if offset else found
 
     @property

@@ -49,6 +49,6 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
         """How late wrenches are (s), beyond a quarter of a sample: held ones are not, mere samples half of one."""
         return self._samples.state.learned.wrench_delay
 
-    def _told(self) -> Estimate:
+    def _core_estimate(self) -> Estimate:
         learner = self._core
         return learner.estimate(learner.motion, learner.health)

@@ -64,5 +64,5 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
     def __repr__(self) -> str:
         return brief(type(self).__name__, self.cart.name, f"response {self.response:g} s")
 
-    def _told(self) -> Estimate:
+    def _core_estimate(self) -> Estimate:
         return self._core.estimate()
