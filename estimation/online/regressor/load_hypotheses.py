@@ -199,7 +199,9 @@ class LoadHypotheses:
         beliefs = self._beliefs
         if self.is_endless:
             return mixture(beliefs, np.full(len(beliefs), 1.0 / len(beliefs)), 0)
-        return mixture(beliefs, self._shares, self._told) if self._sure is None else beliefs[self._sure].copy()
+        if self._sure is not None:
+            return beliefs[self._sure].copy()
+        return mixture(beliefs, self._shares, self._likeliest_unloaded)
 
     @property
     def not_excluded(self) -> RegressionBelief | None:
@@ -209,7 +211,7 @@ class LoadHypotheses:
             return None
         odds = self._odds
         alike = np.where(odds > odds.max() - DECISION_NATS, 1.0, 0.0)
-        return mixture(self._beliefs, alike / alike.sum(), self._told)
+        return mixture(self._beliefs, alike / alike.sum(), self._likeliest_unloaded)
 
     @property
     def if_loaded(self) -> RegressionBelief:
@@ -221,8 +223,8 @@ class LoadHypotheses:
         return [self.pushed.belief, *(one.belief for one in self.changed)]
 
     @property
-    def _told(self) -> int:
-        """Which of them is meanwhile: the likeliest without a load."""
+    def _likeliest_unloaded(self) -> int:
+        """Which of them gives the values while all are open: the likeliest without a load."""
         loads = np.array([False, *(one.is_load for one in self.changed)])
         return int(np.argmax(np.where(loads, -1.0, self._shares)))
 
@@ -264,7 +266,7 @@ class HypothesesUpdate(NamedTuple):
 
 
 @dataclass(frozen=True)
-class HypothesesStart:
+class HypothesesOpening:
     """The way to hypotheses over the last rows, of which some are `left`: from the first in which a push is likely on
     all beliefs take them in. It was at a `time` (s) that one was needed. Loads and floors have covariances (f, f).
     There is no belief of another floor where nothing goes with the weight."""
@@ -276,20 +278,20 @@ class HypothesesStart:
     floor: Array
     usual: Array
     hypotheses: LoadHypotheses | None = None
-    row: HypothesesUpdate | None = None
+    update: HypothesesUpdate | None = None
 
     @classmethod
-    def of(cls, time: float, taken: Sequence[LearnedRow], load: Array, floor: Array, usual: Array) -> HypothesesStart:
+    def of(cls, time: float, taken: Sequence[LearnedRow], load: Array, floor: Array, usual: Array) -> HypothesesOpening:
         return cls(time, PushHypothesis(taken[0].before.copy(), np.zeros(len(usual))), tuple(taken), load, floor, usual)
 
-    def go_on(self) -> HypothesesStart:
+    def go_on(self) -> HypothesesOpening:
         """With one more row, or with one more belief after it."""
         one, *later = self.left
         if self.hypotheses is not None:
-            row = (self.row or self.hypotheses.with_row(one.row, one.at)).go_on()
-            if row.hypotheses is None:
-                return replace(self, row=row)
-            return replace(self, left=tuple(later), hypotheses=row.hypotheses, row=None)
+            update = (self.update or self.hypotheses.with_row(one.row, one.at)).go_on()
+            if update.hypotheses is None:
+                return replace(self, update=update)
+            return replace(self, left=tuple(later), hypotheses=update.hypotheses, update=None)
         following, _, innovation = self.pushed.and_then(one.row, one.at, self.usual)
         if following.rows > 0 and later:
             return replace(self, pushed=following, left=tuple(later))

@@ -29,10 +29,10 @@ from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
 from .filtered_row import AskedRow, Block, is_slower, stands_still
 from .followed_memory import FollowedMemory
-from .load_hypotheses import HypothesesStart
+from .load_hypotheses import HypothesesOpening
 from .motion_tracker import MotionTracker
 from .row_learning import RowLearning
-from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, RowStage, SmoothingStage, Stage, UpdateStage
+from .row_stages import DoneStage, HypothesesStage, RowStage, SmoothingStage, Stage, TakenInStage, UndecidedStage
 from .wrench_noise_scale import WrenchNoiseScale
 
 MAX_REGRESSION_GAP = 0.3
@@ -185,26 +185,26 @@ class ParameterLearner:
 
     def _go_on(self) -> None:
         """The next slice of a row, if one is left."""
-        part, self.unfinished = self.unfinished, None
-        match part:
-            case SmoothingStage() if part.smoothing.left:
-                self.unfinished = part._replace(smoothing=self.tracker.smoothed_on(part.smoothing, SLICE_MOMENTS))
+        stage, self.unfinished = self.unfinished, None
+        match stage:
+            case SmoothingStage() if stage.smoothing.left:
+                self.unfinished = stage._replace(smoothing=self.tracker.smoothed_on(stage.smoothing, SLICE_MOMENTS))
             case SmoothingStage():
-                self.unfinished = self._block_of(part)
+                self.unfinished = self._block_of(stage)
             case Block():
-                self.unfinished = self.learned.row_of(part)
+                self.unfinished = self.learned.row_of(stage)
             case AskedRow():
-                self.unfinished = self.learned.worked_on(part)
+                self.unfinished = self.learned.worked_on(stage)
             case RowStage():
-                self.unfinished = self.learned.take_in(*part)
-            case HypothesisStage():
-                self.unfinished = part.go_on()
-            case UpdateStage():
-                self.unfinished = self.learned.with_noise_scale(part)
-            case NoiseScaleStage():
-                self.unfinished = self.learned.decide(*part)
-            case HypothesesStart():
-                self.unfinished = self.learned.begin(part.go_on())
+                self.unfinished = self.learned.take_in(*stage)
+            case HypothesesStage():
+                self.unfinished = stage.go_on()
+            case TakenInStage():
+                self.unfinished = self.learned.with_noise_scale(stage)
+            case UndecidedStage():
+                self.unfinished = self.learned.decide(*stage)
+            case HypothesesOpening():
+                self.unfinished = self.learned.settle_opening(stage.go_on())
             case DoneStage():
                 self.learned.conclude()
                 self._believe()

@@ -31,11 +31,11 @@ from ..kernels.row_algebra import FilteredRow, UnmodelledNoise
 from ..load_change import load_covariance, root_of
 from .disturbance_level import DisturbanceLevel
 from .filtered_row import AskedRow, Block, one_disturbance
-from .load_hypotheses import HypothesesStart, LearnedRow, LoadHypotheses
+from .load_hypotheses import HypothesesOpening, LearnedRow, LoadHypotheses
 from .load_monitor import CHI2_TEST_ROWS, LoadMonitor
 from .mass_products import MassProducts
 from .regression_belief import Innovation, RegressionBelief
-from .row_stages import DoneStage, HypothesisStage, NoiseScaleStage, RowStage, UpdateStage
+from .row_stages import DoneStage, HypothesesStage, RowStage, TakenInStage, UndecidedStage
 from .scale import ScaleInformation
 from .wrench_noise_scale import WrenchNoiseScale
 
@@ -98,20 +98,20 @@ class RowLearning:
             if not row.is_told or len(row.told) > 1:
                 return row
         weights, time = row.block.weights, float(row.block.moved.time[-1])
-        told = RowStage(time, row.filtered(self.cart, self._unmodelled_noise), weights.of_white)
-        return told if self._scale.is_known else self._with_scale(told, row.block)
+        stage = RowStage(time, row.filtered(self.cart, self._unmodelled_noise), weights.of_white)
+        return stage if self._scale.is_known else self._with_scale(stage, row.block)
 
-    def _with_scale(self, told: RowStage, block: Block) -> RowStage | None:
+    def _with_scale(self, stage: RowStage, block: Block) -> RowStage | None:
         """The row, with which the last ones count at last, too; None while the scale is not known."""
-        n = len(told.row.residual)
-        self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], told.row)
-        self._unscaled_rows = (*self._unscaled_rows, told)[-CHI2_TEST_ROWS:]
+        n = len(stage.row.residual)
+        self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], stage.row)
+        self._unscaled_rows = (*self._unscaled_rows, stage)[-CHI2_TEST_ROWS:]
         if not self._scale.is_known:
             return None
         pending, self._unscaled_rows = self._unscaled_rows, ()
         for one in pending[:-1]:
             self.take_in(*one)
-        return told
+        return stage
 
     @property
     def _unmodelled_noise(self) -> UnmodelledNoise:
@@ -122,18 +122,18 @@ class RowLearning:
             level.highest * one, usual * one, self.wrench_noise_scale.variance_factor, self._products.scaled
         )
 
-    def take_in(self, time: float, row: FilteredRow, of_white: float) -> UpdateStage | HypothesisStage:
+    def take_in(self, time: float, row: FilteredRow, of_white: float) -> TakenInStage | HypothesesStage:
         """What the belief, or open hypotheses, make of a row."""
         if self.hypotheses is not None:
-            return HypothesisStage(time, self.hypotheses.with_row(row, self.theta)).go_on()
+            return HypothesesStage(time, self.hypotheses.with_row(row, self.theta)).go_on()
         before = self._belief.copy()
         innovation = self._belief.update(row, self.theta)
         if not self.is_disturbed:
             self._level = self._level.after(innovation, of_white * self._one_disturbance)
         self._taken = (*self._taken, LearnedRow(before, row, self.theta))[-CHI2_TEST_ROWS:]
-        return UpdateStage(time, innovation)
+        return TakenInStage(time, innovation)
 
-    def with_noise_scale(self, stage: UpdateStage) -> NoiseScaleStage:
+    def with_noise_scale(self, stage: TakenInStage) -> UndecidedStage:
         """Follows how loud autocorrelated noise of wrenches is."""
         self.wrench_noise_scale, following = stage.with_noise_scale(self.wrench_noise_scale)
         return following
@@ -152,7 +152,7 @@ class RowLearning:
         """Nothing new up to a time."""
         self._load_monitor.go_on(time)
 
-    def decide(self, time: float, told: Innovation | LoadHypotheses) -> DoneStage | HypothesesStart:
+    def decide(self, time: float, told: Innovation | LoadHypotheses) -> DoneStage | HypothesesOpening:
         """What a row says of loads and pushes."""
         if isinstance(told, LoadHypotheses):
             self._load_monitor.follow(time, told.innovation, is_pushed=told.is_pushed)
@@ -162,7 +162,7 @@ class RowLearning:
         if not self._load_monitor.note(time, told, root, self.wrench_noise_scale):
             return DoneStage()
         floor = self._products.floor(self.theta)[np.ix_(self._free, self._free)]
-        beginning = HypothesesStart.of(time, self._taken, root @ root.T, floor, self._push)
+        beginning = HypothesesOpening.of(time, self._taken, root @ root.T, floor, self._push)
         self._taken = ()
         return beginning
 
@@ -190,8 +190,8 @@ class RowLearning:
         self._load_monitor.note_decision(time, is_load=True)
         self.conclude()
 
-    def begin(self, beginning: HypothesesStart) -> DoneStage | HypothesesStart:
-        """Hypotheses on their way over the last rows, or at the last."""
+    def settle_opening(self, beginning: HypothesesOpening) -> DoneStage | HypothesesOpening:
+        """Hypotheses that have just begun are believed once they have taken in the last rows; until then, goes on."""
         if beginning.left or beginning.hypotheses is None:
             return beginning
         self._settle(beginning.hypotheses, beginning.time)

@@ -24,7 +24,7 @@ from estimation.online.regressor.load_hypotheses import (
     MIN_HYPOTHESES_BLOCKS,
     PUSH_END_ROWS,
     PUSH_STEP_STD_RATIO,
-    HypothesesStart,
+    HypothesesOpening,
     LearnedRow,
 )
 from estimation.online.regressor.load_monitor import LoadMonitor
@@ -65,7 +65,7 @@ def row(rise, force):
 def trial(rows):
     """Begun with the first row."""
     at = np.zeros(1)
-    beginning = HypothesesStart.of(0.0, [LearnedRow(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
+    beginning = HypothesesOpening.of(0.0, [LearnedRow(belief(), rows[0], at)], LOAD, 0.0 * LOAD, USUAL)
     while beginning.left:
         beginning = beginning.go_on()
     found = beginning.hypotheses
