@@ -30,7 +30,7 @@ from .schmidt_filter import SchmidtFilter
 
 
 class LearningFilter:
-    """Samples come in order."""
+    """The learner and the motion of one cart. Samples come in the order of their times; `LateSamples` sees to that."""
 
     def __init__(self, learner: ParameterLearner, motion: SchmidtFilter) -> None:
         self.learner, self.motion = learner, motion
@@ -56,9 +56,10 @@ class LearningFilter:
         learner.take(measurement)
         self.time = learner.time
         self._move(float(measurement.time), learner.seen, learner.measured_wrench)
-        motion.learn(learner.learned.theta, learner.learned.covariance)
+        motion.believe(learner.learned.theta, learner.learned.covariance)
 
     def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:
+        """Takes the motion to a time, with what is `seen` (6,) then, and `felt` as in `SchmidtFilter.advance`."""
         motion = self.motion
         if not self._started:
             motion.start(time, seen[:3])

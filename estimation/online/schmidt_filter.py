@@ -112,7 +112,7 @@ class SchmidtFilter:
         pose, nu, memory = self._seen
         return Motion(pose.copy(), nu.copy(), memory.copy())
 
-    def learn(self, theta: Array, covariance: Array) -> None:
+    def believe(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""
         if theta is self._theta:
             return

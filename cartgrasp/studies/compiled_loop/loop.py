@@ -120,10 +120,10 @@ class _Run:
     def _take_row(self) -> None:
         """What `LearningFilter.take` does with a row, and with what it teaches."""
         k, learner = int(self.at[tick.I_STEP]), self.core.learner
-        self.at[tick.I_MOMENTS] = learner.followed(int(self.at[tick.I_MOMENTS]), float(self.course.time[k - 1]))
+        self.at[tick.I_MOMENTS] = learner.note_moments(int(self.at[tick.I_MOMENTS]), float(self.course.time[k - 1]))
         self.at[tick.I_UNFINISHED] = learner.unfinished is not None
         learned = learner.learned
-        self.core.motion.learn(learned.theta, learned.covariance)
+        self.core.motion.believe(learned.theta, learned.covariance)
         if learned.theta is not self.known[-1].theta:
             self.held.theta[:], self.held.believed[:] = learned.theta, learner.believed
             self.known.append(Belief(k, learned.theta, learned.reported_covariance))

@@ -69,16 +69,16 @@ class MotionTracker:
     the wrench of each."""
 
     def __init__(self, cart: CartModel, noise: FilterNoise) -> None:
-        f = self._free = cart.constraints.n_free
-        self._d, self._wrench, self._n = 3 + 2 * f, size(f, len(cart.parameters)), 0
+        f = self._n_free = cart.constraints.n_free
+        self._d, self._wrench_size, self._n = 3 + 2 * f, size(f, len(cart.parameters)), 0
         self._known = np.zeros(kernels.known_size(f))
         known = kernels.known_of(self._known, f)
         known.basis[:], known.project[:] = cart.basis_b, np.linalg.pinv(cart.basis_b)
         known.variances[:3], known.variances[3:] = np.diag(noise.pose_covariance), np.diag(noise.velocity_covariance)
         known.across_b[:] = cart.rolling.across_b
         known.densities[:] = JERK_DENSITY**2, noise.sideways(cart) ** 2, noise.slip**2
-        self._rows = np.zeros((INITIAL_CAPACITY, 1 + self._wrench + kernels.row_size(self._d)))
-        self._past, self.last_time = np.zeros((0, 1 + self._wrench)), -math.inf
+        self._rows = np.zeros((INITIAL_CAPACITY, 1 + self._wrench_size + kernels.row_size(self._d)))
+        self._past_wrenches, self.last_time = np.zeros((0, 1 + self._wrench_size)), -math.inf
 
     @property
     def time(self) -> Array:
@@ -87,10 +87,10 @@ class MotionTracker:
 
     @property
     def blocks(self) -> tuple[Array, Array]:
-        """Rows and constants: for kernels that record more moments, which then are `followed`."""
+        """Rows and constants: for kernels that record more moments, which `note_moments` then hears of."""
         return self._rows, self._known
 
-    def followed(self, moments: int) -> None:
+    def note_moments(self, moments: int) -> None:
         """Notes that so many moments are in the rows by now."""
         self._n, self.last_time = moments, float(self._rows[moments - 1, 0])
 
@@ -108,13 +108,13 @@ class MotionTracker:
     def start(self, time: float, pose: Array) -> None:
         """Begins anew, with a pose that may be NaN in parts."""
         known, first = np.isfinite(pose), self._rows[0]
-        variance = np.square(np.repeat(INITIAL_STDS, [3, self._free, self._free]))
-        variance[:3] = np.where(known, kernels.known_of(self._known, self._free).variances[:3], variance[:3])
+        variance = np.square(np.repeat(INITIAL_STDS, [3, self._n_free, self._n_free]))
+        variance[:3] = np.where(known, kernels.known_of(self._known, self._n_free).variances[:3], variance[:3])
         first[:], first[0], first[1] = 0.0, time, math.nan
         moment = kernels.moment(first, self._d)
         moment.mean[:3] = np.where(known, pose, 0.0)
         moment.covariance[:], moment.worst[:] = np.diag(variance + MIN_INITIAL_VARIANCE), math.nan
-        self._n, self.last_time, self._past = 1, time, np.zeros((0, 1 + self._wrench))
+        self._n, self.last_time, self._past_wrenches = 1, time, np.zeros((0, 1 + self._wrench_size))
 
     def record(self, time: float, seen: Array, wrenches: Array, grip: Array, believed: Array) -> int:
         """A sample of the last moment, or of a later one: pose and velocity `seen` (6,), NaN where missing; the arms'
@@ -130,7 +130,7 @@ class MotionTracker:
 
     def scale_noise(self, variances: Array) -> None:
         """Sets the variances of velocities (3,) from now on."""
-        kernels.known_of(self._known, self._free).variances[3:] = variances
+        kernels.known_of(self._known, self._n_free).variances[3:] = variances
 
     @property
     def measured_wrench(self) -> Array:
@@ -140,8 +140,8 @@ class MotionTracker:
     def wrenches(self, k: int, late: float) -> tuple[Array, float]:
         """The wrenches of the first k moments, (k, width), as in `measured_wrench.py`, if they were recorded so late
         (s), as far as there are any; and how much later their samples are in the mean than the ones of the moments."""
-        here = self._rows[: self._n, : 1 + self._wrench]
-        rows, time = np.concatenate([self._past, here]), here[:, 0]
+        here = self._rows[: self._n, : 1 + self._wrench_size]
+        rows, time = np.concatenate([self._past_wrenches, here]), here[:, 0]
         late = min(max(late, rows[0, 0] - time[0]), time[-1] - time[k - 1])
         halfway = (rows[:-1, 0] + rows[1:, 0]) / 2
         found = rows[np.searchsorted(halfway, time[:k] + late), 1:]
@@ -160,7 +160,7 @@ class MotionTracker:
 
     def smoothing(self, weights: Array) -> Smoothing:
         """Begins to smooth all moments, with covariances of sums of the first m by weights (q, m)."""
-        n, d, f = self._n, self._d, self._free
+        n, d, f = self._n, self._d, self._n_free
         sums = np.zeros((len(weights), f + d, f))
         return Smoothing(self.time, weights, np.empty((n, d)), np.empty((n, d, d)), sums, n)
 
@@ -185,7 +185,7 @@ class MotionTracker:
 
     def drop(self, k: int) -> None:
         """The first k moments, of which wrenches are kept that may come early."""
-        past = np.concatenate([self._past, self._rows[:k, : 1 + self._wrench]])
-        self._past = past[past[:, 0] > self._rows[k, 0] - SMOOTHING_LAG]
+        past = np.concatenate([self._past_wrenches, self._rows[:k, : 1 + self._wrench_size]])
+        self._past_wrenches = past[past[:, 0] > self._rows[k, 0] - SMOOTHING_LAG]
         self._rows[: self._n - k] = self._rows[k : self._n]
         self._n -= k

@@ -227,10 +227,10 @@ class ParameterLearner:
             self._memory = self._memory.lost()
             self.tracker.drop(k)
 
-    def followed(self, moments: int, before: float) -> int:
+    def note_moments(self, moments: int, before: float) -> int:
         """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row
         was due. Returns how many moments are left."""
-        self.tracker.followed(moments)
+        self.tracker.note_moments(moments)
         self.time = self._wrench_until = self.tracker.last_time
         self._seen_until = max(self._seen_until, self.tracker.seen_until)
         self.learned.note_time(before)

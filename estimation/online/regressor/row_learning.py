@@ -150,7 +150,7 @@ class RowLearning:
 
     def note_time(self, time: float) -> None:
         """Nothing new up to a time."""
-        self._load_monitor.go_on(time)
+        self._load_monitor.note_time(time)
 
     def decide(self, time: float, told: Innovation | LoadHypotheses) -> DoneStage | HypothesesOpening:
         """What a row says of loads and pushes."""

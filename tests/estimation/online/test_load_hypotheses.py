@@ -163,7 +163,7 @@ def test_what_surprises_thrice_speaks_against_the_model():
         watch = LoadMonitor(1, 1)
         for time in (1.0, 7.0):
             watch.settle(time, found)
-            watch.go_on(time + 3.0)
+            watch.note_time(time + 3.0)
             assert watch.health == "ok"
         watch.settle(13.0, found)
         assert watch.health == health
