@@ -35,13 +35,14 @@ def with_delays_removed(core: LearningFilter, cart: CartModel) -> AlignedFilter:
 
 
 class DelayedWrenches:
-    """Wraps a core, whose wrenches all come as late as those of the cart's slowest sensor."""
+    """Wraps a core, which is behind by the delay of the cart's slowest sensor. A copy of it has seen held motion, too,
+    and looks ahead."""
 
     def __init__(self, core: LearningFilter, cart: CartModel) -> None:
         self.core, self._cart, self._delay = core, cart, longest_delay(cart)
-        self._held: tuple[Measurement, ...] = ()
-        self._recorded: tuple[Measurement, ...] = ()
-        self._now: LearningFilter | None = None
+        self._held_motion: tuple[Measurement, ...] = ()
+        self._recorded_wrenches: tuple[Measurement, ...] = ()
+        self._looking_ahead: LearningFilter | None = None
         self.time = core.time
 
     @property
@@ -57,16 +58,17 @@ class DelayedWrenches:
         return self.core.wrench_noise_scale
 
     def take(self, measurement: Measurement) -> None:
-        core, self._now, self.time = self.core, None, measurement.time
-        felt = self.time - self._delay
-        self._held = (*self._held, replace(measurement, wrenches={}))
-        while self._held and (self._held[0].time <= felt + TIME_TOLERANCE or core.time == -math.inf):
-            first, self._held = self._held[0], self._held[1:]
+        core, self._looking_ahead, self.time = self.core, None, measurement.time
+        felt_at = self.time - self._delay
+        self._held_motion = (*self._held_motion, replace(measurement, wrenches={}))
+        while self._held_motion and (self._held_motion[0].time <= felt_at + TIME_TOLERANCE or core.time == -math.inf):
+            first, self._held_motion = self._held_motion[0], self._held_motion[1:]
             core.take(first)
         if measurement.wrenches:
-            self._recorded = (*(one for one in self._recorded if one.time > felt - TIME_TOLERANCE), measurement)
-            if felt > core.time - TIME_TOLERANCE:
-                core.take(Measurement(max(felt, core.time), wrenches=self._felt_together(measurement)))
+            recorded = [one for one in self._recorded_wrenches if one.time > felt_at - TIME_TOLERANCE]
+            self._recorded_wrenches = (*recorded, measurement)
+            if felt_at > core.time - TIME_TOLERANCE:
+                core.take(Measurement(max(felt_at, core.time), wrenches=self._felt_together(measurement)))
 
     def scale_noise(self, noise_factors: Array) -> None:
         self.core.scale_noise(noise_factors)
@@ -77,33 +79,33 @@ class DelayedWrenches:
         return other
 
     def estimate(self) -> Estimate:
-        now = self._current.estimate()
+        now = self._ahead.estimate()
         return self.core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
 
     @property
     def belief(self) -> Gaussian:
-        return self._current.belief
+        return self._ahead.belief
 
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
-        return self._current.nis
+        return self._ahead.nis
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
-        return self._current.sensors
+        return self._ahead.sensors
 
     @property
-    def _current(self) -> LearningFilter:
-        if self._now is None:
-            self._now = self.core.predicted_through(self._held)
-        return self._now
+    def _ahead(self) -> LearningFilter:
+        if self._looking_ahead is None:
+            self._looking_ahead = self.core.predicted_through(self._held_motion)
+        return self._looking_ahead
 
     def _felt_together(self, last: Measurement) -> dict[str, Array]:
         """For each arm, the sample that was felt when those of the slowest sensor were."""
         felt = {}
         for arm in last.wrenches:
             wanted = self.time - self._delay + self._cart.lateness(arm)
-            nearest = min(self._recorded, key=lambda one: abs(one.time - wanted))
+            nearest = min(self._recorded_wrenches, key=lambda one: abs(one.time - wanted))
             if arm in nearest.wrenches:
                 felt[arm] = nearest.wrenches[arm]
         return felt

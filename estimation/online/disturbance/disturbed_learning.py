@@ -61,7 +61,8 @@ disturbance of what the model explains: nobody knows which of them is right."""
 
 
 class DisturbedLearning:
-    """Samples come in order. `response` (s) is that of the observer."""
+    """Observers see each sample at once, learners a `response` (s) later. Samples come in the order of their times;
+    `LateSamples` sees to that."""
 
     def __init__(self, made_of: EstimatorArguments, response: float) -> None:
         made_of = with_unknown_slope(made_of)
@@ -72,17 +73,18 @@ class DisturbedLearning:
         unseen = self._observer.deviation * math.sqrt(response)
         self._careful = with_delays_removed(core_of(made_of, unseen=unseen), cart)
         self._quick = with_delays_removed(core_of(made_of), cart)
-        self._undecided_since = self._told_load = -math.inf  # s, of the quick one
+        self._undecided_since = self._quick_load_change = -math.inf  # s, of the quick one
         self._open: AlignedFilter | None = None  # learns from what is kept back, too
-        self._opened = self._kept_back = -math.inf  # s
+        self._open_since = self._kept_back_at = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._waiting: tuple[Measurement, ...] = ()
-        self._known: Estimate | None = None
+        self._careful_estimate: Estimate | None = None
         self._observed: tuple[Observed, Observed] | None = None  # and by the quicker one
         self._disturbance: Disturbance | None = None
         self._is_sure, self._is_total_known = False, True
-        self._felt = math.inf  # s: when all arms' wrenches were known last
-        self._since = self._until = -math.inf  # when the disturbance set in that acts now, and when one acted last
+        self._total_known_at = math.inf  # s: when all arms' wrenches were known last; inf: never
+        self._acts_since = -math.inf  # when the disturbance set in that acts now, or acted last
+        self._acted_until = -math.inf  # when one acted last
         self._disturbed_share = 0.0
         self.time = -math.inf
 
@@ -96,16 +98,16 @@ class DisturbedLearning:
 
     def take(self, measurement: Measurement) -> None:
         """Observes to the measurement's time, and lets what learns have what is old enough."""
-        self._sensing.note_contacts(measurement)  # what is refused does not wait
+        self._sensing.note_contacts(measurement)  # the sample waits; where arms hold, the observers need now
         self._count_disturbed(measurement.time)
         self.time = measurement.time
         self._waiting = (*self._waiting, measurement)
-        until = math.inf if self._known is None else measurement.time - self.response
+        until = math.inf if self._careful_estimate is None else measurement.time - self.response
         while self._waiting and self._waiting[0].time <= until:
             first, self._waiting = self._waiting[0], self._waiting[1:]
             self._learn(first)
-        self._known = self._careful.estimate()
-        self._observe(measurement, self._known)
+        self._careful_estimate = self._careful.estimate()
+        self._observe(measurement, self._careful_estimate)
 
     def _count_disturbed(self, time: float) -> None:
         """Up to a time, while a disturbance acts or not."""
@@ -128,13 +130,14 @@ class DisturbedLearning:
         return other
 
     def estimate(self) -> Estimate:
-        told, observed, disturbance = self._known, self._observed, self._disturbance
+        told, observed, disturbance = self._careful_estimate, self._observed, self._disturbance
         assert told is not None  # a sample has come
         if observed is None or disturbance is None:
             return told._replace(time=self.time)
-        health, is_silent = told.health, self.time - self._felt > SENSOR_TIMEOUT
-        if health == Health.NO_WRENCH and math.isfinite(self._felt) and not is_silent:  # they are there, and wait
-            health = Health.OUTLIERS if math.isfinite(self._kept_back) else Health.OK
+        health, is_silent = told.health, self.time - self._total_known_at > SENSOR_TIMEOUT
+        if health == Health.NO_WRENCH and math.isfinite(self._total_known_at) and not is_silent:
+            # Wrenches are there, and wait, or are kept back.
+            health = Health.OUTLIERS if math.isfinite(self._kept_back_at) else Health.OK
         elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
             health = Health.NO_WRENCH
         told = self._doubted(told)
@@ -156,7 +159,7 @@ class DisturbedLearning:
         others = [(quick, is_found or (quick.hypotheses is not None and self._undecided_since > own.last_load_change))]
         if self._open is not None:
             tried = self._open.learner.learned
-            others.append((tried, tried.hypotheses is not None and self._opened > own.last_load_change))
+            others.append((tried, tried.hypotheses is not None and self._open_since > own.last_load_change))
         for other in (one for one, doubts in others if doubts):
             off = other.theta - own.theta
             spread = other.reported_covariance + np.outer(off, off)
@@ -168,46 +171,46 @@ class DisturbedLearning:
     # --- learning ---------------------------------------------------------------------------------------------
 
     def _learn(self, sample: Measurement) -> None:
-        self._careful.learner.note_disturbance(sample.time < self._until + MAX_ROW_DELAY)
-        is_patient = self._until - self._since < MAX_DISTURBANCE_DURATION
-        if is_patient and sample.time <= self._until and sample.wrenches:
+        self._careful.learner.note_disturbance(sample.time < self._acted_until + MAX_ROW_DELAY)
+        may_be_push = self._acted_until - self._acts_since < MAX_DISTURBANCE_DURATION
+        if may_be_push and sample.time <= self._acted_until and sample.wrenches:
             if self._open is None:
-                self._open, self._opened = self._careful.copy(), sample.time
+                self._open, self._open_since = self._careful.copy(), sample.time
                 self._open.learner.note_disturbance(True)
-            self._kept_back = sample.time
+            self._kept_back_at = sample.time
             kept_back = {arm: np.full(6, np.nan) for arm in sample.wrenches}
             self._careful.take(replace(sample, wrenches=kept_back))
         else:
             self._careful.take(sample)
         if self._open is not None:
-            self._try(self._open, sample)
-        self._listen(sample)
+            self._let_open_learn(self._open, sample)
+        self._let_quick_learn(sample)
 
-    def _listen(self, sample: Measurement) -> None:
+    def _let_quick_learn(self, sample: Measurement) -> None:
         """What the quick one makes of a sample, and whether its word on a load is taken: where nothing was kept back
         meanwhile, or whoever has heard the most of what was deems a load the likeliest, too."""
         self._quick.take(sample)
         quick, since = self._quick.learner.learned, self._undecided_since
         if quick.hypotheses is not None:
             return
-        if quick.last_load_change > self._told_load:
-            self._told_load = quick.last_load_change
+        if quick.last_load_change > self._quick_load_change:
+            self._quick_load_change = quick.last_load_change
             judge = (self._open or self._careful).learner
             hypotheses = judge.learned.hypotheses
             may_be_load = hypotheses is not None and hypotheses.may_be_load
-            if judge.learned.last_load_change < since and (self._kept_back < since or may_be_load):
+            if judge.learned.last_load_change < since and (self._kept_back_at < since or may_be_load):
                 judge.note_load_change(since - MAX_ROW_DELAY)
                 self._go_on_with_open()
         self._undecided_since = sample.time
 
-    def _try(self, other: AlignedFilter, sample: Measurement) -> None:
+    def _let_open_learn(self, other: AlignedFilter, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load. What others think of that,
         who have heard less, ends as soon as this one is sure of a push."""
         other.take(sample)
         tried, careful = other.learner.learned, self._careful.learner
-        if tried.last_load_change > self._opened:
+        if tried.last_load_change > self._open_since:
             self._go_on_with_open()
-        elif tried.last_decision > self._opened or sample.time - self._kept_back > MAX_DISTURBANCE_DURATION:
+        elif tried.last_decision > self._open_since or sample.time - self._kept_back_at > MAX_DISTURBANCE_DURATION:
             self._open = None
         elif careful.learned.hypotheses and tried.hypotheses and tried.hypotheses.is_surely_pushed:
             careful.note_push()
@@ -215,7 +218,7 @@ class DisturbedLearning:
     def _go_on_with_open(self) -> None:
         """It was right."""
         if self._open is not None:
-            self._careful, self._open, self._until = self._open, None, -math.inf
+            self._careful, self._open, self._acted_until = self._open, None, -math.inf
 
     # --- observing --------------------------------------------------------------------------------------------
 
@@ -240,10 +243,10 @@ class DisturbedLearning:
             moving = Moving(observed[0].state(memory), measurement.time)
             sensed = self._sensing.sense(measurement, theta, moving)
         if sensed is not None:
-            self._felt, self._is_total_known = measurement.time, True
+            self._total_known_at, self._is_total_known = measurement.time, True
             observed = [one if was_known else self._observer.forgotten(one) for one in observed]
             observed = [self._observer.pushed(one, sensed.value, sensed.covariance) for one in observed]
-        elif measurement.wrenches or measurement.time - self._felt > WRENCH_HOLD_TIME:
+        elif measurement.wrenches or measurement.time - self._total_known_at > WRENCH_HOLD_TIME:
             self._is_total_known = False
         self._observed = observed[0], observed[1]
         if self._disturbance is None or moves:
@@ -262,7 +265,7 @@ class DisturbedLearning:
         self._is_sure = rolls > stays if self._is_sure else agreed > begins
         acts = self._is_total_known and (self._is_sure or rigid > (stays if was else begins))
         if acts:
-            self._since, self._until = (self._since if was else time), time
+            self._acts_since, self._acted_until = (self._acts_since if was else time), time
         if not self._is_total_known:
             self._disturbance = self._observer.unknown
             return
