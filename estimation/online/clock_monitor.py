@@ -28,7 +28,7 @@ PATH_SAMPLES = 16
 
 
 class ClockMonitor:
-    """Takes samples in the order in which they come."""
+    """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
         self.is_lost = False

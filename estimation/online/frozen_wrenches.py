@@ -26,7 +26,7 @@ ZERO_WRENCH = np.zeros(6)
 
 
 class FrozenWrenches:
-    """Takes samples in the order in which they come."""
+    """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
         self._arms: dict[str, _Sensor] = {}

@@ -22,7 +22,7 @@ REST_CALIBRATION_POSES, MAX_CHANCE_REPEAT_FRACTION = 200, 0.05
 
 
 class RepeatedPoses:
-    """Takes samples in the order in which they come."""
+    """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
         self._pose, self._velocity, self._time = b"", b"", -math.inf

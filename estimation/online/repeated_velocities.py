@@ -25,7 +25,7 @@ CALIBRATION_VELOCITIES, MAX_WAY_ERROR = 50, 0.05
 
 
 class RepeatedVelocities:
-    """Takes samples in the order in which they come."""
+    """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
         self._velocity, self._time = b"", -math.inf
