@@ -34,9 +34,9 @@ from .filtered_row import AskedRow, Block, one_disturbance
 from .load_hypotheses import HypothesesOpening, LearnedRow, LoadHypotheses
 from .load_monitor import CHI2_TEST_ROWS, LoadMonitor
 from .mass_products import MassProducts
+from .parameter_scale import ScaleInformation
 from .regression_belief import Innovation, RegressionBelief
 from .row_stages import DoneStage, HypothesesStage, RowStage, TakenInStage, UndecidedStage
-from .scale import ScaleInformation
 from .wrench_noise_scale import WrenchNoiseScale
 
 SLICE_EVALUATIONS = 96
@@ -65,8 +65,8 @@ class RowLearning:
         self._one_disturbance = one_disturbance(cart, noise)
         self._level, self.is_disturbed = DisturbanceLevel.between(noise.disturbance, unseen), False
         self.wrench_noise_scale = WrenchNoiseScale()
-        self._unscaled_rows: tuple[RowStage, ...] = ()  # rows that wait until the scale is known
-        self._scale = ScaleInformation.of(cart, prior, self._free)
+        self._unscaled_rows: tuple[RowStage, ...] = ()  # that wait until the parameters' scale is known
+        self._parameter_scale = ScaleInformation.of(cart, prior, self._free)
         self._load_monitor = LoadMonitor(cart.constraints.n_free, len(self._free))
         self._limits = PhysicalSet.of(cart, "regressor")
         self.reporter = ParameterReport(cart, prior)
@@ -91,22 +91,24 @@ class RowLearning:
         return self.worked_on(AskedRow.of(block, Gaussian(self.theta, self.covariance), self._spread))
 
     def worked_on(self, row: AskedRow) -> AskedRow | RowStage | None:
-        """The row after one slice more, of which one with few moments needs no other; None while the scale is not
-        known."""
+        """The row after one slice more, of which one with few moments needs no other; None while the scale of the
+        parameters is not known (`parameter_scale.py`)."""
         if not row.is_told:
             row = row.go_on(self.cart, SLICE_EVALUATIONS)
             if not row.is_told or len(row.told) > 1:
                 return row
         weights, time = row.block.weights, float(row.block.moved.time[-1])
         stage = RowStage(time, row.filtered(self.cart, self._unmodelled_noise), weights.of_white)
-        return stage if self._scale.is_known else self._with_scale(stage, row.block)
+        return stage if self._parameter_scale.is_known else self._once_scale_is_known(stage, row.block)
 
-    def _with_scale(self, stage: RowStage, block: Block) -> RowStage | None:
-        """The row, with which the last ones count at last, too; None while the scale is not known."""
+    def _once_scale_is_known(self, stage: RowStage, block: Block) -> RowStage | None:
+        """The row, with which the last ones are taken in, too; None while the scale of the parameters is not known."""
         n = len(stage.row.residual)
-        self._scale = self._scale.after(block.weights.held @ block.wrenches[:, 1 : 1 + n], stage.row)
+        self._parameter_scale = self._parameter_scale.after(
+            block.weights.held @ block.wrenches[:, 1 : 1 + n], stage.row
+        )
         self._unscaled_rows = (*self._unscaled_rows, stage)[-CHI2_TEST_ROWS:]
-        if not self._scale.is_known:
+        if not self._parameter_scale.is_known:
             return None
         pending, self._unscaled_rows = self._unscaled_rows, ()
         for one in pending[:-1]:

@@ -14,7 +14,7 @@ from cartgrasp.first_guess import FirstGuess
 from cartgrasp.simulation import ModelPlant
 from estimation import CartFilter, DisturbedFilter, FilterNoise, Prior
 from estimation.online.kernels.row_algebra import FilteredRow
-from estimation.online.regressor.scale import ScaleInformation
+from estimation.online.regressor.parameter_scale import ScaleInformation
 
 BED = cg.CartModel(
     cg.Inertia(100.0, (0.05, 0.02), 40.0),
