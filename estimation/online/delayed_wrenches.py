@@ -50,8 +50,8 @@ class DelayedWrenches:
         return self.core.learner
 
     @property
-    def worked(self) -> bool:
-        return self.core.worked
+    def took_long(self) -> bool:
+        return self.core.took_long
 
     @property
     def wrench_noise_scale(self) -> WrenchNoiseScale:

@@ -36,7 +36,7 @@ class SampleFilter(Protocol):
     def copy(self) -> Self: ...
 
     @property
-    def worked(self) -> bool:
+    def took_long(self) -> bool:
         """Whether the last sample took longer than most."""
         ...
 
@@ -58,7 +58,7 @@ class Checkpoint(Generic[T]):
     """A state, and how many samples it had seen."""
 
     state: T
-    seen: int
+    n_samples: int
 
 
 class LateSamples(Generic[T]):
@@ -123,11 +123,11 @@ class LateSamples(Generic[T]):
         """To the last state that is kept of before a time; returns how many samples it had seen."""
         last, late = self._kept[-1], self._after_late
         self._due, self._after_late = last.state.time + CHECKPOINT_INTERVAL, None
-        if late is not None and late.seen > last.seen and late.state.time <= time:
+        if late is not None and late.n_samples > last.n_samples and late.state.time <= time:
             self.state = late.state
-            return late.seen
+            return late.n_samples
         self.state = last.state.copy()
-        return last.seen
+        return last.n_samples
 
     def _go_on(self, measurement: Measurement) -> None:
         self.state.take(measurement)
@@ -140,7 +140,7 @@ class LateSamples(Generic[T]):
         self._due = self.state.time + CHECKPOINT_INTERVAL
         while len(self._kept) > 1 and self._kept[1].state.time <= self.state.time - MAX_SAMPLE_DELAY:
             self._kept.pop(0)
-        passed, late = self._kept[0].seen - self._forgotten, self._after_late
-        if late is not None and late.seen < self._kept[0].seen:
+        passed, late = self._kept[0].n_samples - self._forgotten, self._after_late
+        if late is not None and late.n_samples < self._kept[0].n_samples:
             self._after_late = None
         self._samples, self._forgotten = self._samples[passed:], self._forgotten + passed

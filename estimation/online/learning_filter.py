@@ -42,9 +42,9 @@ class LearningFilter:
         return self.learner.cart
 
     @property
-    def worked(self) -> bool:
+    def took_long(self) -> bool:
         """Whether the last sample took longer than most."""
-        return self.learner.worked
+        return self.learner.took_long
 
     @property
     def wrench_noise_scale(self) -> WrenchNoiseScale:

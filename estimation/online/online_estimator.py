@@ -68,7 +68,7 @@ class OnlineEstimator(ABC, Generic[C]):
         if is_taken:
             monitor.samples.note(sample if sample.time == now else replace(sample, time=now), samples.state.time)
         is_slow = not now - newest_before < SLOW_LOOP_INTERVAL
-        is_free = now >= monitor.samples.due and (is_slow or (now > newest_before and not samples.state.worked))
+        is_free = now >= monitor.samples.due and (is_slow or (now > newest_before and not samples.state.took_long))
         if is_free and monitor.go_on(now, at_once=is_slow):
             samples.scale_noise(monitor.noise_factors)
         found = self.estimate

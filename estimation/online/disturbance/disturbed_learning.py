@@ -89,8 +89,8 @@ class DisturbedLearning:
         self.time = -math.inf
 
     @property
-    def worked(self) -> bool:
-        return self._careful.worked or self._quick.worked
+    def took_long(self) -> bool:
+        return self._careful.took_long or self._quick.took_long
 
     @property
     def wrench_noise_scale(self) -> WrenchNoiseScale:

@@ -63,36 +63,38 @@ class ParameterLearner:
         self.tracker = MotionTracker(cart, noise)
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._memory = FollowedMemory(cart, noise.swivel)
-        self._seen, self._started = MeasuredMotion(), False
+        self._measured_motion, self._started = MeasuredMotion(), False
         self.unfinished: Stage | None = None  # how far a row is worked out
-        self.worked = False  # whether something of a row was worked out with the last sample, which takes long
+        self.took_long = False  # whether something of a row was worked out with the last sample
         self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
-        self._seen_until = self._wrench_until = -math.inf  # times of the last pose or velocity, and of the last wrench
+        self._motion_seen_at = -math.inf  # time of the last pose or velocity
+        self._wrench_used_at = -math.inf  # and of the last wrench
         self._believe()
 
     def take(self, measurement: Measurement) -> None:
         """Goes on to the measurement's time, which is no earlier than the last one's, and takes in what it holds."""
         time, sensing = float(measurement.time), self._sensing
         sensing.note_contacts(measurement)
-        seen = self.seen = self._seen.of(measurement)
-        is_seen = self._seen.is_whole or bool(np.isfinite(seen).any())
-        if not self._started or time - (self._seen_until if is_seen else self.time) > MAX_REGRESSION_GAP:
+        seen = self.seen = self._measured_motion.of(measurement)
+        is_seen = self._measured_motion.is_whole or bool(np.isfinite(seen).any())
+        if not self._started or time - (self._motion_seen_at if is_seen else self.time) > MAX_REGRESSION_GAP:
             self._start(time)
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         if is_seen:
-            self._seen_until = time
+            self._motion_seen_at = time
         grip = sensing.gripped(measurement, self.learned.theta, self._moving(time) if sensing.feels_motion else None)
         if sensing.corrects:
             self._believe()
         said = self.tracker.record(time, seen, grip.wrenches, grip.matrix, self.believed)
         before, self.time = self.time, self.tracker.last_time
         is_due = said & ROW_DUE > 0
-        self.worked = is_due or (self.unfinished is not None and self.time > before)  # one slice an instant
-        if self.worked:
+        # One slice an instant, but where a row is due.
+        self.took_long = is_due or (self.unfinished is not None and self.time > before)
+        if self.took_long:
             self._work(self.time - before, is_due=is_due)
         self.learned.note_time(time)
         if said & WRENCH_USED:
-            self.measured_wrench, self._wrench_until = self.tracker.measured_wrench, self.time
+            self.measured_wrench, self._wrench_used_at = self.tracker.measured_wrench, self.time
         else:
             self.measured_wrench = NO_WRENCHES
 
@@ -133,9 +135,9 @@ class ParameterLearner:
 
     @property
     def health(self) -> Health:
-        if not self._started or self.time - self._seen_until > SENSOR_TIMEOUT:
+        if not self._started or self.time - self._motion_seen_at > SENSOR_TIMEOUT:
             return Health.STALE
-        is_felt = self.time - self._wrench_until <= SENSOR_TIMEOUT
+        is_felt = self.time - self._wrench_used_at <= SENSOR_TIMEOUT
         return self.learned.health if is_felt else Health.NO_WRENCH
 
     def estimate(self, motion: Motion, health: Health) -> Estimate:
@@ -218,11 +220,11 @@ class ParameterLearner:
         k, end = self.tracker.over()
         if not k:
             return
-        if self.tracker.time[end - 1] <= self._seen_until:
+        if self.tracker.time[end - 1] <= self._motion_seen_at:
             weighing = weights(self.tracker.time[:end], end - k)
             self.unfinished = SmoothingStage(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))
             self._go_on()
-        elif self.time - self._seen_until > MAX_REGRESSION_GAP:
+        elif self.time - self._motion_seen_at > MAX_REGRESSION_GAP:
             self._drop_link()
             self._memory = self._memory.lost()
             self.tracker.drop(k)
@@ -231,8 +233,8 @@ class ParameterLearner:
         """Kernels went on to so many moments with wrenches, of which the last but one was at a time; with them a row
         was due. Returns how many moments are left."""
         self.tracker.note_moments(moments)
-        self.time = self._wrench_until = self.tracker.last_time
-        self._seen_until = max(self._seen_until, self.tracker.seen_until)
+        self.time = self._wrench_used_at = self.tracker.last_time
+        self._motion_seen_at = max(self._motion_seen_at, self.tracker.seen_until)
         self.learned.note_time(before)
         self._work(self.time - before, is_due=self.tracker.over()[0] > 0)
         return len(self.tracker.time)
