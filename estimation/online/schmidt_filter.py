@@ -42,7 +42,7 @@ class SchmidtFilter:
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
         self._now: Considered | None = None
-        self._seen = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
+        self._motion_views = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
         self.now.health[:] = empty_health_table()
@@ -82,7 +82,7 @@ class SchmidtFilter:
     def copy(self) -> Self:
         other = shallow_copy(self)
         other._block, other._now = self._block.copy(), None
-        other._seen = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
+        other._motion_views = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
 
     def scale_noise(self, noise_factors: Array) -> None:
@@ -109,7 +109,7 @@ class SchmidtFilter:
 
     @property
     def motion(self) -> Motion:
-        pose, nu, memory = self._seen
+        pose, nu, memory = self._motion_views
         return Motion(pose.copy(), nu.copy(), memory.copy())
 
     def believe(self, theta: Array, covariance: Array) -> None:
