@@ -97,7 +97,7 @@ def test_a_cone_with_a_fixed_axis_is_told_with_its_bound():
         (replace(GOOD, limits=np.array([np.nan])), r"limits: \[nan\] is not \(1,\) numbers"),
         (replace(GOOD, limits=np.array([-1.0])), "leaves out the wrench 0"),
         (replace(GOOD, lower=np.full(6, 1.0)), "leaves out the wrench 0"),
-        (replace(GOOD, cones=("round",)), "cones: round is no Cone"),
+        (replace(GOOD, cones=("round",)), "cones: 'round' is no Cone"),
         (
             replace(GOOD, cones=(replace(ROUND, name=""),)),
             r"cones: '' has rows \(4, 6\) and an offset \(4,\); give it a",
