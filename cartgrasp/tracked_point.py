@@ -42,7 +42,7 @@ def in_frame(pose_ab: Array) -> Array:
 
 
 class TrackedPoint:
-    """Brings measurements to {b}: velocities that come alone by the last heading that was seen, and how far the cart
+    """Brings measurements to {b}: velocities that come alone by the newest heading that was seen, and how far the cart
     has turned since."""
 
     def __init__(self, pose_tb: Array) -> None:
@@ -52,11 +52,14 @@ class TrackedPoint:
     def at_body(self, measurement: Measurement) -> Measurement:
         if self._is_body:
             return measurement
-        pose, velocity = measurement.pose, measurement.velocity
+        pose, velocity, time = measurement.pose, measurement.velocity, measurement.time
+        seen_at, heading = self._time, self._heading
         if pose is not None and math.isfinite(pose[2]):
-            self._time, self._heading = measurement.time, float(pose[2])
+            seen_at, heading = time, float(pose[2])
+            if not time < self._time:
+                self._time, self._heading = seen_at, heading
         if velocity is not None:
-            turned = np.nan_to_num(velocity[2]) * (measurement.time - self._time)
-            velocity = carried(np.asarray(velocity, dtype=float), self._heading + turned, self.pose_tb[:2])
+            turned = np.nan_to_num(velocity[2]) * (time - seen_at)
+            velocity = carried(np.asarray(velocity, dtype=float), heading + turned, self.pose_tb[:2])
         pose = None if pose is None else composed(np.asarray(pose, dtype=float), self.pose_tb)
         return replace(measurement, pose=pose, velocity=velocity)

@@ -18,6 +18,7 @@ from cartgrasp.shallow_copy import shallow_copy
 
 from ..gaussian import Gaussian
 from ..health import SensorHealth
+from .kernels.measured_wrench import WRENCH_HOLD_TIME
 from .late_samples import TIME_TOLERANCE
 from .learning_filter import LearningFilter
 from .regressor.parameter_learner import ParameterLearner
@@ -105,8 +106,9 @@ class DelayedWrenches:
         felt = {}
         for arm in last.wrenches:
             wanted = self.time - self._delay + self._cart.lateness(arm)
-            nearest = min(self._recorded_wrenches, key=lambda one: abs(one.time - wanted))
-            if arm in nearest.wrenches:
+            recorded = (one for one in self._recorded_wrenches if arm in one.wrenches)
+            nearest = min(recorded, key=lambda one: abs(one.time - wanted))
+            if abs(nearest.time - wanted) < WRENCH_HOLD_TIME:
                 felt[arm] = nearest.wrenches[arm]
         return felt
 

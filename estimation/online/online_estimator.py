@@ -57,7 +57,7 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         check_measurement(measurement)
         samples, monitor = self._samples, self._sensor_monitor
-        sample = samples.on_steady_clock(self._tracked.at_body(measurement))
+        sample = self._tracked.at_body(samples.on_steady_clock(measurement))
         sample = self._repeated_velocities.without_repeats(self._repeated_poses.without_repeats(sample, self._motion))
         sample = self._frozen_wrenches.without_frozen(self._arm_monitor.within_range(sample))
         newest_before = samples.state.time

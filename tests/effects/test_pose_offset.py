@@ -128,3 +128,12 @@ def test_identify_finds_where_the_body_is(point, yaw):
     for name, value in expected.items():
         assert abs(found[name].value - value) < 3.5 * found[name].std, name
     assert min(found["pose_offset.x"].std, found["pose_offset.y"].std) < 0.003
+
+
+def test_an_older_pose_turns_no_later_velocity():
+    """It may be refused, too, for it came too late. With its own pose a velocity goes by that."""
+    point, turning = TrackedPoint(np.array([-0.5, 0.0, 0.0])), np.array([0.0, 0.0, 0.3])
+    point.at_body(Measurement(100.0, pose=np.array([0.0, 0.0, 0.0]), velocity=turning))
+    late = Measurement(99.0, pose=np.array([0.0, 0.0, 0.5 * np.pi]), velocity=turning)
+    np.testing.assert_allclose(point.at_body(late).velocity, [0.15, 0.0, 0.3], atol=1e-12)
+    np.testing.assert_allclose(point.at_body(Measurement(100.0, velocity=turning)).velocity, [0.0, -0.15, 0.3])

@@ -81,7 +81,7 @@ class DisturbedLearning:
         self._careful_estimate: Estimate | None = None
         self._observed: tuple[Observed, Observed] | None = None  # and by the quicker one
         self._disturbance: Disturbance | None = None
-        self._is_sure, self._is_total_known = False, True
+        self._is_sure, self._is_total_known = False, not arms  # declared ones may push before they tell
         self._total_known_at = math.inf  # s: when all arms' wrenches were known last; inf: never
         self._acts_since = -math.inf  # when the disturbance set in that acts now, or acted last
         self._acted_until = -math.inf  # when one acted last
@@ -136,8 +136,9 @@ class DisturbedLearning:
             return told._replace(time=self.time)
         health, is_silent = told.health, self.time - self._total_known_at > SENSOR_TIMEOUT
         if health == Health.NO_WRENCH and math.isfinite(self._total_known_at) and not is_silent:
-            # Wrenches are there, and wait, or are kept back.
-            health = Health.OUTLIERS if math.isfinite(self._kept_back_at) else Health.OK
+            # Wrenches are there, and wait, or are kept back: what rows say holds.
+            health = self._careful.learner.learned.health
+            health = Health.OUTLIERS if health == Health.OK and math.isfinite(self._kept_back_at) else health
         elif is_silent and health in (Health.OK, Health.OUTLIERS, Health.LOAD_CHANGED):
             health = Health.NO_WRENCH
         told = self._doubted(told)

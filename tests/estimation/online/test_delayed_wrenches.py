@@ -91,3 +91,20 @@ def test_a_closed_loop_learns_the_mass(delay):
         mass = replace(made, guess=believed).run().parameters["mass"]
         assert abs(mass.value[-1] - 29.7) < 3 * mass.std[-1]
         assert mass.std[-1] < 0.6
+
+
+def test_arms_may_come_in_samples_of_their_own():
+    """The other arm's sample had been the nearest one, and the arm's own left out: nothing was ever learned."""
+    late, told = {"left": 5, "right": 5}, []
+    for is_split in (False, True):
+        estimator = CartFilter(knowing(late), HANDS, noise=NOISE)
+        for sample in list(recorded(in_time(), late))[:400]:
+            if is_split:
+                estimator.update(replace(sample, wrenches={"left": sample.wrenches["left"]}))
+                estimator.update(Measurement(sample.time, wrenches={"right": sample.wrenches["right"]}))
+            else:
+                estimator.update(sample)
+        told.append(estimator.estimate)
+    together, split = told
+    assert split.health == together.health == "ok"
+    assert split.parameters["mass"].value == pytest.approx(together.parameters["mass"].value, rel=1e-6)

@@ -360,3 +360,38 @@ def test_what_pushes_most_of_the_time_is_the_models_error():
     assert not any(one.parameters["mass"].identifiable for one in told if one.health == "inconsistent")
     mass = told[-1].parameters["mass"]
     assert abs(mass.value - 24.0) < 3 * mass.std < 5.0
+
+
+def test_arms_that_never_tell_anything_are_no_push():
+    """They are declared, so that what moves the cart may be theirs: it had acted in a fifth of the samples."""
+    learner, sensors, told = DisturbedFilter(CART, HANDS, noise=NOISE), Sensors(CART, SENSORS, seed=6), []
+    plant = ModelPlant(CART)
+    for _ in range(400):
+        force = 10.0 * math.cos(2.0 * plant.time) + 4.0
+        told.append(learner.update(sensors.motion(plant.time, plant.motion)))
+        plant.step(cg.ContactWrenches({name: np.array([force, 0, 0, 0, 0, 0]) for name in HANDS}, HOLDS), 0.01)
+    assert not any(one.disturbance.acts for one in told)
+    assert told[-1].health == "no_wrench"
+
+
+@pytest.mark.long
+def test_a_push_does_not_hide_that_the_model_does_not_fit():
+    """After three loads in 9 s, which are too many; what is kept back for a push had been told as `outliers`."""
+    times = ((3.0, 12.0), (6.0, -12.0), (9.0, 12.0))
+    loads = [PayloadChange(time, mass, 0.2, 0.1, label=f"at {time:g}") for time, mass in times]
+    truth = cg.CartModel(CART.inertia, CART.constraints, (*DRAG, *loads))
+    learner, sensors, plant = (
+        DisturbedFilter(CART, HANDS, noise=NOISE),
+        Sensors(truth, SENSORS, seed=5),
+        ModelPlant(truth),
+    )
+    hand = {"push": np.array([0.3, 0.0, 1.0])}
+    while plant.time < 13.0:
+        force = (10.0 * math.cos(2.0 * plant.time) + 3.0) * (1.0 + 0.3 * math.sin(3.0 * plant.time))
+        given = {name: np.array([force, 0, 0, 0, 0, 0]) for name in HANDS}
+        learner.update(sensors.motion(plant.time, plant.motion))
+        told = learner.update(sensors.wrenches(plant.time, cg.ContactWrenches(given, HOLDS)))
+        if plant.time > 11.2:
+            assert told.health == "inconsistent", plant.time
+        push = {"push": np.array([60.0 if plant.time >= 11.0 else 0.0, 0, 0, 0, 0, 0])}
+        plant.step(cg.ContactWrenches({**given, **push}, {**HOLDS, **hand}), 0.01)
