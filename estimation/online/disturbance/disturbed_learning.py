@@ -90,7 +90,7 @@ class DisturbedLearning:
 
     @property
     def took_long(self) -> bool:
-        return self._careful.took_long or self._quick.took_long
+        return any(one.took_long for one in (self._careful, self._quick, self._open) if one is not None)
 
     @property
     def wrench_noise_scale(self) -> WrenchNoiseScale:

@@ -218,8 +218,6 @@ class ParameterLearner:
     def _take_row(self) -> None:
         """Works out the block that has been over for long enough, if there is one and motion was seen after it."""
         k, end = self.tracker.over()
-        if not k:
-            return
         if self.tracker.time[end - 1] <= self._motion_seen_at:
             weighing = weights(self.tracker.time[:end], end - k)
             self.unfinished = SmoothingStage(k, end, weighing, self.tracker.smoothing(weighing.of_motion[:2]))

@@ -177,6 +177,7 @@ class RowLearning:
         """Somebody who has heard more found that what surprised is no load."""
         if self.hypotheses is not None:
             self._belief, self.hypotheses = self.hypotheses.pushed.belief.copy(), None
+            self.last_decision = time
             self._load_monitor.note_decision(time, is_load=False)
             self.conclude()
 
