@@ -16,7 +16,7 @@ from ..health import SensorHealth
 from ..noise import FilterNoise
 from ..prior import Prior
 from .arguments import EstimatorArguments, checked_arguments
-from .delayed_wrenches import AlignedFilter, with_delays_removed
+from .delayed_wrenches import DelayedWrenches, with_delays_removed
 from .learning_filter import LearningFilter
 from .online_estimator import OnlineEstimator
 from .regressor.parameter_learner import ParameterLearner
@@ -36,7 +36,7 @@ def core_of(made_of: EstimatorArguments, least_speed: float = 0.0, unseen: float
 
 
 @final
-class CartFilter(OnlineEstimator[AlignedFilter]):
+class CartFilter(OnlineEstimator[DelayedWrenches[LearningFilter] | LearningFilter]):
     """Learns while the cart is pushed: `update` takes a measurement and returns the estimate at its time.
 
     Sensors may have rates of their own, with a measurement for each of their samples, which may be up to 0.3 s late.
@@ -82,17 +82,23 @@ class CartFilter(OnlineEstimator[AlignedFilter]):
     @property
     def belief(self) -> Gaussian:
         """Mean and covariance of pose, nu and effect memory."""
-        return self._core.belief
+        return self._up_to_now.belief
 
     @property
     def nis(self) -> Mapping[str, tuple[float, int]]:
         """Normalised innovation squared of the last measurement's pose and velocity, with its dimension."""
-        return self._core.nis
+        return self._up_to_now.nis
 
     @property
     def sensors(self) -> Mapping[str, SensorHealth]:
         """How pose, velocity and wrench do."""
-        return dict(self._core.sensors)
+        return dict(self._up_to_now.sensors)
+
+    @property
+    def _up_to_now(self) -> LearningFilter:
+        """What has seen all motion, too, of which no wrench tells yet."""
+        core = self._core
+        return core.ahead if isinstance(core, DelayedWrenches) else core
 
     def _core_estimate(self) -> Estimate:
         return self._core.estimate()

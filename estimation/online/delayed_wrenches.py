@@ -7,21 +7,17 @@ said of the motion now is what the filter believes once it has seen what is held
 from __future__ import annotations
 
 import math
-from collections.abc import Mapping
+from collections.abc import Sequence
 from dataclasses import replace
-from typing import Self
+from typing import Generic, Protocol, Self, TypeVar
 
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Estimate, Measurement
 from cartgrasp.shallow_copy import shallow_copy
 
-from ..gaussian import Gaussian
-from ..health import SensorHealth
 from .kernels.measured_wrench import WRENCH_HOLD_TIME
-from .late_samples import TIME_TOLERANCE
-from .learning_filter import LearningFilter
-from .regressor.parameter_learner import ParameterLearner
+from .late_samples import TIME_TOLERANCE, SampleFilter
 from .regressor.wrench_noise_scale import WrenchNoiseScale
 
 
@@ -30,25 +26,34 @@ def longest_delay(cart: CartModel) -> float:
     return max((cart.lateness(effect.label) for effect, _ in cart.sensor_effects), default=0.0)
 
 
-def with_delays_removed(core: LearningFilter, cart: CartModel) -> AlignedFilter:
+class AnticipatingFilter(SampleFilter, Protocol):
+    """A filter that can look ahead through motion of which no wrench tells yet."""
+
+    def estimate(self) -> Estimate: ...
+
+    def predicted_through(self, samples: Sequence[Measurement]) -> Self:
+        """A copy that has seen later motion, and learned nothing."""
+        ...
+
+
+C = TypeVar("C", bound=AnticipatingFilter)
+
+
+def with_delays_removed(core: C, cart: CartModel) -> DelayedWrenches[C] | C:
     """The core, wrapped so that wrenches count when they were felt, where the cart says that they come late."""
     return DelayedWrenches(core, cart) if longest_delay(cart) > 0 else core
 
 
-class DelayedWrenches:
+class DelayedWrenches(Generic[C]):
     """Wraps a core, which is behind by the delay of the cart's slowest sensor. A copy of it has seen held motion, too,
     and looks ahead."""
 
-    def __init__(self, core: LearningFilter, cart: CartModel) -> None:
+    def __init__(self, core: C, cart: CartModel) -> None:
         self.core, self._cart, self._delay = core, cart, longest_delay(cart)
         self._held_motion: tuple[Measurement, ...] = ()
         self._recorded_wrenches: tuple[Measurement, ...] = ()
-        self._looking_ahead: LearningFilter | None = None
+        self._looking_ahead: C | None = None
         self.time = core.time
-
-    @property
-    def learner(self) -> ParameterLearner:
-        return self.core.learner
 
     @property
     def took_long(self) -> bool:
@@ -80,23 +85,12 @@ class DelayedWrenches:
         return other
 
     def estimate(self) -> Estimate:
-        now = self._ahead.estimate()
+        now = self.ahead.estimate()
         return self.core.estimate()._replace(time=self.time, motion=now.motion, health=now.health)
 
     @property
-    def belief(self) -> Gaussian:
-        return self._ahead.belief
-
-    @property
-    def nis(self) -> Mapping[str, tuple[float, int]]:
-        return self._ahead.nis
-
-    @property
-    def sensors(self) -> Mapping[str, SensorHealth]:
-        return self._ahead.sensors
-
-    @property
-    def _ahead(self) -> LearningFilter:
+    def ahead(self) -> C:
+        """What has seen the motion that is held, too."""
         if self._looking_ahead is None:
             self._looking_ahead = self.core.predicted_through(self._held_motion)
         return self._looking_ahead
@@ -111,7 +105,3 @@ class DelayedWrenches:
             if abs(nearest.time - wanted) < WRENCH_HOLD_TIME:
                 felt[arm] = nearest.wrenches[arm]
         return felt
-
-
-AlignedFilter = DelayedWrenches | LearningFilter
-"""A filter whose wrenches are of the time at which they were felt."""

@@ -12,6 +12,7 @@ from cartgrasp.motion import Estimate
 from ...noise import FilterNoise
 from ...prior import Prior
 from ..arguments import checked_arguments
+from ..delayed_wrenches import DelayedWrenches, with_delays_removed
 from ..online_estimator import OnlineEstimator
 from .disturbed_learning import DisturbedLearning
 
@@ -19,7 +20,7 @@ MAX_RESPONSE_TIME = 10.0
 
 
 @final
-class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
+class DisturbedFilter(OnlineEstimator[DelayedWrenches[DisturbedLearning] | DisturbedLearning]):
     """Learns as `CartFilter` does, and tells `estimate.disturbance`; its motion is right while something pushes.
 
     Args:
@@ -29,7 +30,7 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
         prior: How sure the first guess is; `Prior()` and what the cart's file says unless given.
         yaws: Of the contact frames against {b}, rad, by arm; 0 unless given.
         response: s until a push is followed to 5 % by what learns, and parameters are as much behind; what is told
-            follows in 0.6 of it.
+            follows in 0.6 of it. Where the cart has a `time_delay`, all but the motion is that much later.
 
     Raises:
         UsageError: An argument is of the wrong kind or out of bounds.
@@ -59,7 +60,7 @@ class DisturbedFilter(OnlineEstimator[DisturbedLearning]):
     ) -> None:
         made_of = checked_arguments(cart, arms, noise, prior, yaws)
         self.response = positive("filter: response", response, MAX_RESPONSE_TIME, "give s")
-        super().__init__(made_of, DisturbedLearning(made_of, self.response))
+        super().__init__(made_of, with_delays_removed(DisturbedLearning(made_of, self.response), cart))
 
     def __repr__(self) -> str:
         return brief(type(self).__name__, self.cart.name, f"response {self.response:g} s")

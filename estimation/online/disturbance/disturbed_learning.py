@@ -22,6 +22,7 @@ is. What is told of the disturbance, and fed forward, comes from a quicker obser
 from __future__ import annotations
 
 import math
+from collections.abc import Sequence
 from dataclasses import replace
 from typing import Self
 
@@ -36,9 +37,9 @@ from ...health import Health
 from ...parameter_report import qualified_by_health
 from ..arguments import EstimatorArguments
 from ..cart_filter import core_of
-from ..delayed_wrenches import AlignedFilter, with_delays_removed
 from ..kernels.measured_wrench import WRENCH_HOLD_TIME
 from ..kernels.sensor_health import SENSOR_TIMEOUT
+from ..learning_filter import LearningFilter
 from ..measured_motion import usable
 from ..regressor.wrench_noise_scale import WrenchNoiseScale
 from ..unknown_slope import with_unknown_slope
@@ -71,10 +72,10 @@ class DisturbedLearning:
         self._observer = self._as_declared = DisturbanceObserver(cart, noise, response, prior)
         self._ahead = replace(self._observer, response=FEEDFORWARD_RESPONSE_RATIO * response)
         unseen = self._observer.deviation * math.sqrt(response)
-        self._careful = with_delays_removed(core_of(made_of, unseen=unseen), cart)
-        self._quick = with_delays_removed(core_of(made_of), cart)
+        self._careful = core_of(made_of, unseen=unseen)
+        self._quick = core_of(made_of)
         self._undecided_since = self._quick_load_change = -math.inf  # s, of the quick one
-        self._open: AlignedFilter | None = None  # learns from what is kept back, too
+        self._open: LearningFilter | None = None  # learns from what is kept back, too
         self._open_since = self._kept_back_at = -math.inf  # s
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._waiting: tuple[Measurement, ...] = ()
@@ -127,6 +128,15 @@ class DisturbedLearning:
         other._careful, other._quick = self._careful.copy(), self._quick.copy()
         other._sensing = self._sensing.copy()
         other._open = None if self._open is None else self._open.copy()
+        return other
+
+    def predicted_through(self, samples: Sequence[Measurement]) -> Self:
+        """A copy whose observers have seen later motion, and that learned nothing."""
+        other, told = shallow_copy(self), self._careful_estimate
+        assert told is not None  # a sample has come
+        for sample in samples:
+            other.time = sample.time
+            other._observe(sample, told)
         return other
 
     def estimate(self) -> Estimate:
@@ -204,7 +214,7 @@ class DisturbedLearning:
                 self._go_on_with_open()
         self._undecided_since = sample.time
 
-    def _let_open_learn(self, other: AlignedFilter, sample: Measurement) -> None:
+    def _let_open_learn(self, other: LearningFilter, sample: Measurement) -> None:
         """What learns from all samples, until it is known whether there is another load. What others think of that,
         who have heard less, ends as soon as this one is sure of a push."""
         other.take(sample)
