@@ -40,7 +40,7 @@ class SensedWrench(NamedTuple):
 
 
 class Hold(NamedTuple):
-    """Where an arm holds, as it was told, too, and what takes its wrench (6,) to the reduced one."""
+    """Where an arm holds, also as it was given, and what takes its wrench (6,) to the reduced one."""
 
     told: list[float]
     contact: list[float]

@@ -14,7 +14,7 @@ from .jit import Indices, row_compiled, row_entry
 from .matrices import congruence, inverse, product, solved, times, turned, without
 from .row_algebra import FilteredRow
 from .row_parts import FILTER_RATE
-from .slope_noise import SlopeNoise, after_row, in_score, rid, told_by
+from .slope_noise import SlopeNoise, after_row, in_score, without_foreseen_noise, without_slope_noise
 
 Belief = tuple[Array, Array]
 """Information (k, k) or (k + l, k + l), with the link, and its product with the mean."""
@@ -36,7 +36,7 @@ def concluded(
 ) -> tuple[Belief, tuple[Array, Array, Array, float]]:
     """What rows tell, noise in their slopes taken off; and parameters (p,), of which those that are `free` are as
     believed then, with their covariance (p, p), a root of it (p, f), and the delay."""
-    told = told_by(belief, noise)
+    told = without_slope_noise(belief, noise)
     f, p, covariance = len(free), len(theta), inverse(told[0])
     mean, factor = times(covariance, told[1]), covariance[:f, :f].copy()
     found, whole, root = theta.copy(), np.zeros((p, p)), np.zeros((p, f))
@@ -67,7 +67,7 @@ def absorbed(
             value[a] += slopes[a, j] * at[of] if j < k - 1 else 0.0
     linking = _linking(noise, row.shared, row.before)
     information, pull = belief if len(belief[1]) > k else _linked(belief, linking)
-    whole, more = told_by((information, pull), in_slopes)
+    whole, more = without_slope_noise((information, pull), in_slopes)
     covariance = inverse(whole)
     mean = times(covariance, more)
     before, after = np.zeros((n, k + 2 * n)), np.zeros((n, 2 * n))
@@ -85,7 +85,7 @@ def absorbed(
     spreads = own + congruence(before[:, k:].copy(), link), own + congruence(before, covariance)
     motion = FILTER_RATE**2 * (row.after + row.fade**2 * link[:n, :n])
     foreseen = FILTER_RATE * row.fade * mean[k : k + n].copy()
-    found = rid(row, free, (motion, foreseen), spreads, raw)
+    found = without_foreseen_noise(row, free, (motion, foreseen), spreads, raw)
     more_noise = _by_own_masses(row, free, motion, mean[: k - 1] - _of_free(at, free))
     in_own = raw, spreads[1] + more_noise, spreads[0] + more_noise
     for a in range(n):

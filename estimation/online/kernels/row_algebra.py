@@ -93,7 +93,7 @@ class UnmodelledNoise(NamedTuple):
     disturbance: Array
     usual: Array
     wrench_variance_factor: float
-    scaled: Indices
+    by_mass: Indices
 
 
 RowInputs = tuple[Array, float, Array, Array, Array]
@@ -252,7 +252,7 @@ def row(
         add_other_memory(weighing.linear, found.wrench, others + j * n, noise)
     add_measured(weighing.held, wrenches, theta, (residual, slopes, noise))
     left_on_average, curvature = curvature_of(
-        by[still + f + 1 : others], spread, (unmodelled.scaled, theta[0]), weighing.linear.sum()
+        by[still + f + 1 : others], spread, (unmodelled.by_mass, theta[0]), weighing.linear.sum()
     )
     residual -= left_on_average
     slopes = with_rise(slopes, by_acceleration, rise)

@@ -44,7 +44,7 @@ class SlopeNoise(NamedTuple):
     first: Array
 
 
-class Rid(NamedTuple):
+class CorrectedSlopes(NamedTuple):
     """What is added to a row's slopes (n, k - 1); the covariance (n, n) of the noise that is `left` in B[nu'] then, and
     how it goes with the innovation, `across` (n, n)."""
 
@@ -66,9 +66,9 @@ def after_row(noise: SlopeNoise, added: Array, kept: float) -> SlopeNoise:
 
 
 @row_compiled
-def rid(
+def without_foreseen_noise(
     row: FilteredRow, free: Indices, motion: tuple[Array, Array], spreads: tuple[Array, Array], innovation: Array
-) -> Rid:
+) -> CorrectedSlopes:
     """What is foreseen of a row's noise of B[nu'] is taken off; rows before tell its covariance (n, n), and the mean
     (n,) of what takes it off. The innovation (n,) has the first covariance (n, n) if parameters are known, the second
     as they are."""
@@ -79,7 +79,9 @@ def rid(
     taken = foreseen + times(gain, innovation)
     crossed = product(gain, turned(by_wrench))
     left = covariance - crossed - turned(crossed) + congruence(gain, usual)
-    found = Rid(np.zeros((len(innovation), len(free))), left, turned(by_wrench) - product(usual, turned(gain)))
+    found = CorrectedSlopes(
+        np.zeros((len(innovation), len(free))), left, turned(by_wrench) - product(usual, turned(gain))
+    )
     for q in range(len(free)):
         slope = times(row.by_rise[:, :, free[q]].copy(), taken)
         for i in range(len(slope)):
@@ -88,7 +90,7 @@ def rid(
 
 
 @row_compiled
-def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tuple[Array, Array]:
+def in_score(row: FilteredRow, free: Indices, found: CorrectedSlopes, weight: Array) -> tuple[Array, Array]:
     """What noise that is left in slopes does to the score `s W r` of a weight (n, n): what is to be added to it
     (k,), and the information (k, k) that it makes."""
     n, m = len(weight), len(free)
@@ -107,7 +109,7 @@ def in_score(row: FilteredRow, free: Indices, found: Rid, weight: Array) -> tupl
 
 
 @row_compiled
-def told_by(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Array]:
+def without_slope_noise(belief: tuple[Array, Array], noise: SlopeNoise) -> tuple[Array, Array]:
     """The information that rows have in spite of noise in their slopes, and its product with the mean, from what they
     have with it; k unknowns, and others beside."""
     k, (information, pull) = len(noise.mean), belief

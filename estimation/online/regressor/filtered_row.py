@@ -62,14 +62,14 @@ def is_slower(moved: Smoothed, cart: CartModel, speed: float) -> bool:
 
 class AskedRow(NamedTuple):
     """The row of a block on its way, around the parameters (p,) `known` by then, to within `spread @ z`, (p, q): what
-    inverse dynamics have told so far of the moments for which they are `asked`."""
+    inverse dynamics have answered so far for the moments at which they are `asked`."""
 
     block: Block
     known: Gaussian
     spread: Array
     rise: Array
     asked: Asked
-    told: tuple[tuple[Array, Array], ...] = ()
+    answers: tuple[tuple[Array, Array], ...] = ()
 
     @classmethod
     def of(cls, block: Block, known: Gaussian, spread: Array) -> AskedRow:
@@ -77,19 +77,19 @@ class AskedRow(NamedTuple):
 
     @property
     def _done(self) -> int:
-        return sum(len(wrench) for wrench, _ in self.told)
+        return sum(len(wrench) for wrench, _ in self.answers)
 
     @property
-    def is_told(self) -> bool:
+    def is_answered(self) -> bool:
         return self._done == len(self.asked.time)
 
     def go_on(self, cart: CartModel, count: int) -> AskedRow:
         """With so many moments more."""
         state, acceleration, parameters, time = (part[self._done : self._done + count] for part in self.asked)
-        return self._replace(told=(*self.told, cart.inverse_by_parameters(state, acceleration, parameters, time)))
+        return self._replace(answers=(*self.answers, cart.inverse_by_parameters(state, acceleration, parameters, time)))
 
     def filtered(self, cart: CartModel, unmodelled: UnmodelledNoise) -> FilteredRow:
-        """The filtered row, of which all is told.
+        """The filtered row, once all is answered.
 
         Coulomb forces that may hold a cart which stands still may be as large as they are known to be: counted as they
         are believed, a swivel torque would be learned away while casters just trail."""
@@ -98,7 +98,7 @@ class AskedRow(NamedTuple):
         slow[:, cart.velocity_slice] = _slowest(moved)
         most[N_PHI:] += np.sqrt(np.maximum(np.diagonal(covariance)[N_PHI:], 0.0))
         stuck = np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time))
-        wrench, by_parameters = (np.concatenate(parts) for parts in zip(*self.told, strict=True))
+        wrench, by_parameters = (np.concatenate(parts) for parts in zip(*self.answers, strict=True))
         given = self.block.wrenches, self.block.ahead, theta, covariance, self.spread
         found = Found(wrench, by_parameters, stuck)
         return kernels.row(self.block.weights, self.rise, found, moved, given, unmodelled)

@@ -37,10 +37,10 @@ class LearnedParameters(NamedTuple):
 
 @dataclass(frozen=True, eq=False)
 class MassProducts:
-    """The products of the parameters at `scaled` with the mass, which is taken to be at least `least` (kg). `usual` is
+    """The products of the parameters at `by_mass` with the mass, which is taken to be at least `least` (kg). `usual` is
     by how much another floor changes the factors: not an unknown slope, or loads on their way would be slopes."""
 
-    scaled: Indices
+    by_mass: Indices
     least: float
     usual: Array
 
@@ -57,47 +57,47 @@ class MassProducts:
     def products(self, theta: Array) -> Array:
         """The parameters (p,) with products in place of the factors."""
         found = theta.copy()
-        found[self.scaled] *= max(theta[MASS_INDEX], self.least)
+        found[self.by_mass] *= max(theta[MASS_INDEX], self.least)
         return found
 
     def factors(self, products: Array) -> Array:
         """The parameters (p,) with factors in place of the products."""
         found = products.copy()
-        found[self.scaled] /= max(products[MASS_INDEX], self.least)
+        found[self.by_mass] /= max(products[MASS_INDEX], self.least)
         return found
 
     def floor(self, theta: Array) -> Array:
         """Covariance (p, p) of the products, of what another floor changes."""
         found = np.zeros((len(theta), len(theta)))
-        found[self.scaled, self.scaled] = (self.usual * max(theta[MASS_INDEX], self.least)) ** 2
+        found[self.by_mass, self.by_mass] = (self.usual * max(theta[MASS_INDEX], self.least)) ** 2
         return found
 
     def jacobian(self, theta: Array) -> Array:
         """Partials (p, p) of the factors by the products, at factors (p,)."""
-        found, scaled, mass = np.eye(len(theta)), self.scaled, max(theta[MASS_INDEX], self.least)
-        found[scaled, scaled] = 1.0 / mass
-        found[scaled, MASS_INDEX] = -theta[scaled] / mass
+        found, at, mass = np.eye(len(theta)), self.by_mass, max(theta[MASS_INDEX], self.least)
+        found[at, at] = 1.0 / mass
+        found[at, MASS_INDEX] = -theta[at] / mass
         return found
 
     def by_factors(self, theta: Array) -> Array:
         """Partials (p, p) of the products by the factors: the inverse of `jacobian`."""
-        found, scaled = np.eye(len(theta)), self.scaled
-        found[scaled, scaled] = max(theta[MASS_INDEX], self.least)
-        found[scaled, MASS_INDEX] = theta[scaled]
+        found, at = np.eye(len(theta)), self.by_mass
+        found[at, at] = max(theta[MASS_INDEX], self.least)
+        found[at, MASS_INDEX] = theta[at]
         return found
 
     def of_row(self, row: FilteredRow, theta: Array) -> FilteredRow:
         """The row with its slopes by the products."""
-        if not len(self.scaled):
+        if not len(self.by_mass):
             return row
         n = len(theta)
         found, by = np.eye(n + 1), self.jacobian(theta)
         found[:n, :n] = by
         return row._replace(slopes=row.slopes @ found, by_rise=row.by_rise @ by)
 
-    def told(self, believed: LearnedParameters) -> LearnedParameters:
-        """What is told of the factors, from what is believed of the products."""
-        if not len(self.scaled):
+    def factors_of(self, believed: LearnedParameters) -> LearnedParameters:
+        """What is believed of the factors, from what is of the products."""
+        if not len(self.by_mass):
             return believed
         theta = self.factors(believed.theta)
         by = self.jacobian(theta)

@@ -107,7 +107,7 @@ class RegressionBelief:
 
     def concluded(self) -> LearnedParameters:
         """The parameters, of which those that are not free are given."""
-        return self._products.told(LearnedParameters(*self._concluded[1]))
+        return self._products.factors_of(LearnedParameters(*self._concluded[1]))
 
     @property
     def _concluded(self) -> tuple[kernels.Belief, tuple[Array, Array, Array, float]]:

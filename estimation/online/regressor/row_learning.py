@@ -93,9 +93,9 @@ class RowLearning:
     def worked_on(self, row: AskedRow) -> AskedRow | RowStage | None:
         """The row after one slice more, of which one with few moments needs no other; None while the scale of the
         parameters is not known (`parameter_scale.py`)."""
-        if not row.is_told:
+        if not row.is_answered:
             row = row.go_on(self.cart, SLICE_EVALUATIONS)
-            if not row.is_told or len(row.told) > 1:
+            if not row.is_answered or len(row.answers) > 1:
                 return row
         weights, time = row.block.weights, float(row.block.moved.time[-1])
         stage = RowStage(time, row.filtered(self.cart, self._unmodelled_noise), weights.of_white)
@@ -121,7 +121,7 @@ class RowLearning:
         level, one = self._level, self._one_disturbance
         usual = level.highest if self.hypotheses is not None or self.is_disturbed else level.mean_density
         return UnmodelledNoise(
-            level.highest * one, usual * one, self.wrench_noise_scale.variance_factor, self._products.scaled
+            level.highest * one, usual * one, self.wrench_noise_scale.variance_factor, self._products.by_mass
         )
 
     def take_in(self, time: float, row: FilteredRow, of_white: float) -> TakenInStage | HypothesesStage:

@@ -26,9 +26,9 @@ PRODUCTS = MassProducts.of(CART, FREE)
 
 
 def test_products_are_those_of_rolling_resistance_and_slopes():
-    names = [CART.parameter_names[i] for i in PRODUCTS.scaled]
+    names = [CART.parameter_names[i] for i in PRODUCTS.by_mass]
     assert names == ["floor_slope.grade_x", "floor_slope.grade_y", "rolling_resistance.coefficient"]
-    assert not len(MassProducts.of(CART, FREE[1:]).scaled)  # a mass that is given
+    assert not len(MassProducts.of(CART, FREE[1:]).by_mass)  # a mass that is given
 
 
 def test_there_and_back_with_slopes_by_differences():
@@ -43,7 +43,9 @@ def test_there_and_back_with_slopes_by_differences():
     assert PRODUCTS.by_factors(theta) @ by == pytest.approx(np.eye(len(theta)), abs=1e-12)
     root = np.diag(np.arange(1.0, 1 + len(theta)))
     belief = PRODUCTS.belief(Gaussian(theta, root @ root), FREE, theta)
-    told = PRODUCTS.told(LearnedParameters(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance), 0.0))
+    told = PRODUCTS.factors_of(
+        LearnedParameters(belief.mean, belief.covariance, np.linalg.cholesky(belief.covariance), 0.0)
+    )
     assert told.theta == pytest.approx(theta)
     assert told.covariance == pytest.approx(root @ root)
     assert told.root @ told.root.T == pytest.approx(root @ root)
@@ -62,7 +64,7 @@ def test_a_row_is_linear_in_them():
     def row(theta):
         block = Block(weights(time, 1), moved, wrench_rows(time[:-1], np.zeros((10, 2)), theta))
         known = Gaussian(theta, spread @ spread.T)
-        return filtered_row(cart, known, spread, block, unmodelled_noise(cart, FilterNoise(), products.scaled))
+        return filtered_row(cart, known, spread, block, unmodelled_noise(cart, FilterNoise(), products.by_mass))
 
     here, there = cart.parameters, cart.parameters.copy()
     there[[0, 4]] = 60.0, 0.005

@@ -9,14 +9,14 @@ from hypothesis import strategies as st
 from numba import njit
 
 from estimation.online.kernels.row_parts import SIGNIFICANCE_SIGMAS
-from estimation.online.kernels.slope_noise import SlopeNoise, told_by
+from estimation.online.kernels.slope_noise import SlopeNoise, without_slope_noise
 
 from ...core.drawn import vectors
 
 
 @njit
 def told(belief, noise):
-    return told_by(belief, noise)
+    return without_slope_noise(belief, noise)
 
 
 def since(noise, squares, mean, covariance):
