@@ -7,7 +7,7 @@ from estimation import Prior
 
 
 def test_a_row_says_what_its_runs_did():
-    first, *_ = rows([3], {"0.007": Prior()}, ["CartFilter"])
+    first = next(rows([3], {"0.007": Prior()}, ["CartFilter"]))
     told = driven(3, 0.0, "curved", "CartFilter", Prior())[0]
     named = dict(zip(HEADER, first, strict=True))
     assert named["`ok`"] == "1 of 1"
