@@ -29,8 +29,7 @@ class ExcitingMotion:
 
     def information(self, cart: CartModel, noise: WrenchNoise) -> Array:
         """Fisher information (p, p) of the cart's parameters, held by two hands with noisy wrenches."""
-        velocity = self.twist_b @ np.linalg.pinv(cart.basis_b).T
-        velocity = np.asarray(np.where(np.abs(velocity) < 1e-12, 0.0, velocity), dtype=float)
+        velocity = cart.rolling.free_velocity(self.twist_b)
         acceleration = np.gradient(velocity, MOTION_SAMPLE_PERIOD, axis=0)
         pose = np.zeros((len(velocity), 3))
         for i in range(len(pose) - 1):

@@ -116,8 +116,7 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
     are as large stand for beside themselves, and the speed across the wheels."""
     cart = belief.cart
     since, velocity_b, rates_b = sampled(piece)
-    along = np.linalg.pinv(cart.constraints.basis_b)
-    nu, nu_rate = velocity_b @ along.T, rates_b @ along.T
+    nu, nu_rate = (cart.constraints.free_velocity(part) for part in (velocity_b, rates_b))
     pose, end = path(nu @ cart.basis_b.T, begin.pose)
     time = begin.time + since
     memory = cart.memory_along(pose, nu, time, first=begin.memory)

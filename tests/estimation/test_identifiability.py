@@ -90,6 +90,16 @@ def test_what_a_motion_teaches_is_what_its_wrenches_say(motion):
     np.testing.assert_allclose(found / np.outer(scale, scale), expected / np.outer(scale, scale), atol=1e-4)
 
 
+@pytest.mark.parametrize("axle", [-0.6, 1.0])
+def test_a_turn_teaches_as_much_as_it_accelerates(axle):
+    """On the spot about an axle at x = a, r' alone tells of `m a² + 2 m dx a + J`, the inertia about it."""
+    cart = CartModel(Inertia(20.0, (0.3, 0.0), 2.0), RollingConstraints(axle))
+    turn = next(motion for motion in exciting_motions() if motion.says == "turn left and right on the spot")
+    found = turn.information(cart, WrenchNoise(force=1e-6, moment=0.1, rate=50.0))
+    rate = np.gradient(turn.twist_b[:, 2], 0.02)
+    assert found[3, 3] == pytest.approx(float(rate @ rate) / (2 * 0.1**2))
+
+
 def test_an_estimate_without_a_covariance_is_refused():
     estimate = PaperFilter(guess(), ["hand"]).update(Measurement(0.0, np.zeros(3), np.zeros(3)))
     with pytest.raises(UsageError, match="covariance"):

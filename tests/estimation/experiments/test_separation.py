@@ -22,6 +22,7 @@ from cartgrasp.model import CartModel
 from estimation.experiments.manoeuvres import MANOEUVRE_TIME_STEP, Limits, Place, pieces, sampled
 from estimation.experiments.proposal import Experiment, Question
 from estimation.experiments.separation import Belief, Evidence, Hands, traced
+from planning.references import PathReference
 
 MASS, G = 24.0, 9.81
 RAIL = CartModel(
@@ -201,3 +202,13 @@ def test_a_share_of_the_wrench_counts_as_noise_of_each_piece():
     known = np.zeros((len(RAIL.parameters), 1))
     assert deviations(ALONG[:2], resisting, RAIL, wrong, known) == pytest.approx(np.sqrt(square), rel=0.01)
     assert deviations(ALONG[:2], resisting, RAIL, wrong, known) < deviations(ALONG[:2], resisting, RAIL, ONE, known)
+
+
+@pytest.mark.parametrize("axle", [-0.6, 0.0, 0.5, 2.0])
+@pytest.mark.parametrize("says", ["curve left forwards at 0.8 m/s", "turn right on the spot"])
+def test_a_belief_goes_where_the_reference_leads(says, axle):
+    """Wherever the axle stands: a yaw rate that is asked for is driven whole."""
+    cart = CartModel(Inertia(MASS, (0.3, 0.05), 2.2), RollingConstraints(axle))
+    belief, reference = Belief(cart, np.zeros((4, 0))), PathReference(SAID[says].stretches, cart.constraints)
+    end = traced(belief, SAID[says], Place(np.zeros(3), np.zeros(0), 0.0), ONE, ONE.weights(cart)).end.pose
+    np.testing.assert_allclose(end, reference.at(reference.duration).pose_sb, atol=1e-4)
