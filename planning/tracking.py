@@ -105,6 +105,12 @@ def wrench_as_it_moves(model: CartModel, motion: Motion, acceleration: Array, ti
     return model.planar_wrench(model.required_wrench(state, acceleration, time=time))
 
 
+def wrench_on_reference(model: CartModel, reference: Reference) -> Array:
+    """Planar wrench (3,) in {b} with which a cart that is on its reference stays on it."""
+    motion = Motion(reference.pose_sb, reference.velocity)
+    return _wrench(model, reference, motion, reference.acceleration, as_it_is=False)
+
+
 def _across(vector: Array) -> Array:
     """A planar vector (3,) a quarter turn on, without its part about z."""
     return np.array([-vector[1], vector[0], 0.0])

@@ -65,7 +65,11 @@ def motions(reference: ReferencePath, cart: CartModel, window: tuple[float, floa
         headings[1:] += turned
     state = np.tile(cart.state(), (len(choices), n, 1))
     state[..., :2], state[..., 2], state[..., cart.velocity_slice] = poses[:, :2], headings, velocities
-    needed, regressors = cart.inverse_by_parameters(state, accelerations, time=float(times.mean()))
+    if cart.memory_names:  # which has settled to the motion with which the window begins
+        settled = cart.settled_memory(state[:, 0], cart.parameters, times[0])
+        for way, first in zip(state, settled, strict=True):
+            way[:, cart.memory_slice] = cart.memory_along(way[:, :3], way[:, cart.velocity_slice], times, first=first)
+    needed, regressors = cart.inverse_by_parameters(state, accelerations, time=times)
     keeps_on = (velocities[..., 0] * velocity[:, 0] >= 0).all(axis=1)
     kept = tuple(choice for choice, fine in zip(choices, keeps_on, strict=True) if fine)
     return Motions(kept, regressors[keeps_on], needed[keeps_on])

@@ -26,6 +26,7 @@ from cartgrasp.roles import ReferencePath
 from ..contacts.contact_regions import DISTANCE_TOLERANCE, hand_distance
 from ..planner import WrenchPlanner
 from ..quadratic_program import INFEASIBLE, NUMERICAL, OPTIMAL
+from ..tracking import wrench_on_reference
 from .regrasp_graph import Indices, RegraspGraph
 from .stage_efforts import NO_CONTACT, StageEfforts, candidate_points, stage_efforts
 
@@ -151,10 +152,8 @@ def plan_schedule(
 
 
 def wanted_wrench(reference: ReferencePath, cart: CartModel, time: float) -> Array:
-    """The planar wrench (3,) in {b} with which a cart that is on its reference stays on it."""
-    wanted = reference.at(time)
-    state = cart.state(wanted.pose_sb, wanted.velocity)
-    return cart.planar_wrench(cart.required_wrench(state, wanted.acceleration, time=time))
+    """The planar wrench (3,) in {b} that a tracker asks for at a time, of a cart that is on its reference."""
+    return wrench_on_reference(cart, reference.at(time))
 
 
 @dataclass(frozen=True, eq=False)

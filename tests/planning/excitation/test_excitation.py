@@ -8,7 +8,7 @@ from hypothesis import strategies as st
 import planning.excitation.excitation_family as family_module
 from cartgrasp.arms import Arm, Friction
 from cartgrasp.constraints import RollingConstraints
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.effects import LoadSlosh, PayloadChange, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise, reduced_noise
@@ -163,6 +163,24 @@ def test_only_a_steered_cart_weaves(rows):
     found = ExcitationChooser(cart, arms(), NOISE).choose(path, (1.0, 3.0), PRIOR)
     assert found.deviation is None
     assert found.tried == 4
+
+
+def test_what_swings_goes_along():
+    """At a steady speed nothing swings; when the speed has changed, it swings on."""
+    cart = CART.with_effect(LoadSlosh(8.0, 1.0, 0.3))
+    steady, without = (motions(PATH, one, (1.2, 3.0), 0.0).needed for one in (cart, CART))
+    np.testing.assert_allclose(steady, without, atol=1e-9)
+    pushed, without = (motions(PATH, one, (0.0, 1.0), 0.0).needed[0, :, 0] for one in (cart, CART))
+    assert pushed[0] == pytest.approx(without[0] - 8.0 * 0.5)
+    assert pushed.max() > without.max() + 0.5
+
+
+def test_a_load_counts_from_when_it_is_put_on():
+    times = 1.2 + 0.1 * (np.arange(18) + 0.5)
+    loaded = CART.with_effect(PayloadChange(1.5, 5.0, 0.4, 0.1))
+    found, without = (motions(PATH, cart, (1.2, 3.0), 0.02) for cart in (loaded, CART))
+    new = np.abs(found.needed - without.needed).max(axis=(0, 2)) > 1e-6
+    assert new.tolist() == (times > 1.5).tolist()
 
 
 def test_a_sensor_without_noise_is_as_good_as_the_best():

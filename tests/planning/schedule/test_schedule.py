@@ -9,14 +9,17 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 
 from cartgrasp.arms import Arm
-from cartgrasp.effects import ViscousDrag
+from cartgrasp.constraints import RollingConstraints
+from cartgrasp.effects import LoadSlosh, ViscousDrag
 from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
+from cartgrasp.motion import Motion
 from planning.allocation.allocation import allocate, build_allocation
 from planning.references import PathReference, Stretch, chain, pause, turn
 from planning.schedule.regrasp_graph import RegraspGraph
 from planning.schedule.schedule import Grip, Horizon, RegraspCost, plan_schedule, wanted_wrench
+from planning.tracking import build_tracker
 
 from ..reference_allocation import solve_reference
 
@@ -261,3 +264,16 @@ def test_segments_and_wrong_costs_are_refused():
         RegraspCost(duration=-1.0)
     with pytest.raises(UsageError, match="too many"):
         RegraspGraph.of([12, 12, 12, 12], 4)
+
+
+@pytest.mark.parametrize("constraints", [RollingConstraints(0.3), RollingConstraints(None)])
+def test_a_schedule_is_made_for_what_the_tracker_asks_for(constraints):
+    """Which takes what swings to go along: it swings about what a cart without would need."""
+    cart = CartModel(CART.inertia, constraints, CART.effects)
+    path = PathReference(chain([Stretch(1.0, 0.5)], turn(0.8, 0.4), [Stretch(1.0, -0.5)]), constraints)
+    swinging = cart.with_effect(LoadSlosh(8.0, 1.0, 0.1))
+    for time in (0.5, 1.4, 2.0, path.duration - 0.5):
+        wanted = path.at(time)
+        asked = build_tracker(constraints).wrench_b(wanted, Motion(wanted.pose_sb, wanted.velocity), swinging)
+        for one in (wanted_wrench(path, swinging, time), wanted_wrench(path, cart, time)):
+            np.testing.assert_allclose(one, asked, atol=1e-9)
