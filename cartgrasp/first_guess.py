@@ -2,7 +2,11 @@
 
 from __future__ import annotations
 
+from collections.abc import Mapping
 from dataclasses import dataclass
+
+from .checks import MAX_NUMBER, listed, positive
+from .errors import UsageError
 
 PHYSICAL_NAMES = ("mass", "com_x", "com_y", "inertia")
 """Under which a body's numbers are told to people."""
@@ -15,3 +19,14 @@ class FirstGuess:
 
     std: tuple[tuple[str, float], ...] = ()
     known: tuple[str, ...] = ()
+
+    def __post_init__(self) -> None:
+        form = 'write std=(("mass", 2.0), …)'
+        pairs = tuple(self.std.items() if isinstance(self.std, Mapping) else self.std)
+        for pair in pairs:
+            if not isinstance(pair, tuple) or len(pair) != 2 or not isinstance(pair[0], str):
+                raise UsageError(f"first guess: std: {pair!r} is no name with its deviation; {form}")
+            positive(f"first guess: std of {pair[0]}", pair[1], MAX_NUMBER, "what is sure stands under `known`")
+        object.__setattr__(self, "std", pairs)
+        form = 'write known=("mass",), names'
+        object.__setattr__(self, "known", listed("first guess: known", self.known, str, form))

@@ -56,7 +56,8 @@ class Inertia:
 
     def __post_init__(self) -> None:
         number("mass", self.mass, -math.inf, math.inf, "give kg")
-        numbers("com", self.com, "(x, y) in {b}, m", -MAX_DISTANCE, MAX_DISTANCE)
+        com = numbers("com", self.com, "(x, y) in {b}, m", -MAX_DISTANCE, MAX_DISTANCE)
+        object.__setattr__(self, "com", com)  # a list or an array would compare and hash otherwise
         number("inertia", self.about_com, -math.inf, math.inf, "give kg m²")
         self._check_physical()
 

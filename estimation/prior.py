@@ -7,7 +7,7 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from cartgrasp.checks import MAX_NUMBER, check_kind, check_known, listed, number
+from cartgrasp.checks import MAX_NUMBER, check_kind, check_known, listed, number, positive
 from cartgrasp.first_guess import PHYSICAL_NAMES
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI, physical_jacobian
@@ -33,7 +33,8 @@ class Prior:
         std: Other standard deviations by name, in the parameter's unit.
 
     Raises:
-        UsageError: A deviation is negative, or not finite. A name that the cart does not have is refused at use.
+        UsageError: A deviation is negative, not finite, or 0, which `effects` and `slope` alone may be. A name that the
+            cart does not have is refused at use.
 
     Example:
         >>> import cartgrasp as cg
@@ -53,13 +54,16 @@ class Prior:
     std: Mapping[str, float] = field(default_factory=dict)
 
     def __post_init__(self) -> None:
-        for name in ("mass", "com", "inertia", "effects", "slope"):
+        cure = "give one standard deviation; what is sure stands under `known`"
+        for name in ("mass", "com", "inertia"):
+            positive(f"prior: {name}", getattr(self, name), MAX_NUMBER, cure)
+        for name in ("effects", "slope"):
             number(f"prior: {name}", getattr(self, name), 0.0, MAX_NUMBER, "give one standard deviation")
         form = 'write known={"mass"}, a set of names'
         object.__setattr__(self, "known", frozenset(listed("prior: known", self.known, str, form)))
         check_kind("prior: std", self.std, Mapping, "write {'mass': 2.0}")
         for name, std in self.std.items():
-            number(f"prior: std of {name}", std, 0.0, MAX_NUMBER, "give one standard deviation")
+            positive(f"prior: std of {name}", std, MAX_NUMBER, cure)
 
     def free(self, cart: CartModel) -> np.ndarray:
         """Indices of the parameters (p,) `(phi | effects' values)` that are estimated. Of a body of which only a part

@@ -11,6 +11,7 @@ import pytest
 import cartgrasp as cg
 from cartgrasp.effects import ForceBias, RollingResistance, ViscousDrag
 from cartgrasp.errors import CartgraspError
+from cartgrasp.first_guess import FirstGuess
 from cartgrasp.logs import ArmLog
 from cartgrasp.simulation import ModelPlant, SensorNoise, Sensors
 from estimation import CartFilter, FilterNoise, Prior, RegressorEstimator, diagnose, identify
@@ -187,6 +188,12 @@ PYTHON = [
     (lambda: FilterNoise(force=-3), "noise: force: -3 is not a finite number"),
     (lambda: Prior(known="mass"), "prior: known: 'mass' is no list; write"),
     (lambda: Prior(mass=-0.4), "prior: mass: -0.4 is not a number from 0"),
+    (lambda: Prior(com=0.0), "prior: com: 0 is not > 0; .*what is sure stands under `known`"),
+    (lambda: Prior(std={"mass": 0}), "prior: std of mass: 0 is not > 0; .*what is sure stands under `known`"),
+    (lambda: FirstGuess(std=(("mass", -2.0),)), "first guess: std of mass: -2.0 is not a number from 0"),
+    (lambda: FirstGuess(std=("mass", 2.0)), "first guess: std: 'mass' is no name with its deviation; write std="),
+    (lambda: FirstGuess(std=(("mass",),)), "first guess: std: .* is no name with its deviation; write std="),
+    (lambda: FirstGuess(known="mass"), "first guess: known: 'mass' is no list; write known="),
     (lambda: Prior(std={"mass": "2"}), "prior: std of mass: '2' is not a number"),
     (lambda: identify(LOG, TRUE), r"identify: logs: RunLog\('run', 3 rows.* is no list; write \[read_log"),
     (lambda: identify([LOG], "cart.yaml"), "identify: cart: 'cart.yaml' is no CartModel; load it first"),

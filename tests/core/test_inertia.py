@@ -11,6 +11,7 @@ from hypothesis import strategies as st
 from scipy.optimize import nnls
 
 from cartgrasp.errors import UsageError
+from cartgrasp.first_guess import FirstGuess
 from cartgrasp.inertia import Inertia, phi_from_physical, physical_from_phi, physical_jacobian
 from cartgrasp.wheels import GRAVITY, Wheel, WheelSet
 
@@ -24,6 +25,17 @@ def test_phi_round_trip(inertia):
     np.testing.assert_allclose([again.mass, *again.com], [inertia.mass, *inertia.com], rtol=1e-14, atol=1e-15)
     # the inertia about the CoM is a difference of J and m d², both up to 35 kg m²
     np.testing.assert_allclose(again.about_com, inertia.about_com, rtol=0, atol=1e-13)
+
+
+@pytest.mark.parametrize("com", [[0.3, 0.1], np.array([0.3, 0.1])])
+def test_a_body_is_its_numbers_however_they_come(com):
+    body, same = Inertia(24.0, com, 2.0), Inertia(24.0, (0.3, 0.1), 2.0)
+    assert body == same
+    assert hash(body) == hash(same)
+
+
+def test_deviations_may_stand_in_a_mapping():
+    assert FirstGuess({"mass": 2.0}) == FirstGuess((("mass", 2.0),))
 
 
 @given(phi=phis())
