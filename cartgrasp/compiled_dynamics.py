@@ -132,8 +132,8 @@ class CompiledDynamics:
         p, k = self.n_parameters, self.n_memory
         width = MEMORY_COLUMN + k + p
         phi, by_parameters, wrench, rate = split(sums, ((N_PHI,), (N_PHI, p), (N_WRENCH, width), (k, width)))
-        felt, swung = _of_rows(wrench[..., :SWINGING_ROW, :], k), _of_rows(wrench[..., SWINGING_ROW:, :], k)
-        return phi, by_parameters, felt, _of_rows(rate, k), swung
+        felt, swung = wrench[..., :SWINGING_ROW, :], wrench[..., SWINGING_ROW : SWINGING_ROW + 1, :]
+        return phi, by_parameters, _of_rows(felt, k), _of_rows(rate, k), _of_rows(swung, k)
 
     def values(self, sums: Array) -> tuple[Array, Array]:
         """Views of sums: the wrench (..., 3) and the mass that swings (...)."""

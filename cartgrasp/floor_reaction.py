@@ -1,16 +1,16 @@
 """What the floor gives a cart: wheel loads, and the lateral force of its fixed wheels (physics.md).
 
 Both are affine in the sum W (6,) of the hands' spatial wrenches about {b}'s origin, which is on the floor. With w
-the planar part of W, e the effects (taken to act at the floor), b the bias and S the free velocities, the cart's
-planar momentum changes by
+the planar part of W, e the effects, b the bias and S the free velocities, the cart's planar momentum changes by
 
     T = A (w + e - b) + b,   A = M_b S (Sᵀ M_b S)⁻¹ Sᵀ,   and the wheels add   T - w - e = Lambdaᵀ lambda.
 
 For an axle through {b}'s origin, lambda = m (u r + dx r' - dy r²) - fy. With the CoM at height h, the loads N obey
 
-    sum N = m g - Wz,   sum x N = m g dx + W_ty - h T_x,   sum y N = m g dy - W_tx - h T_y,
+    sum N = m g - Wz,   sum x N = m g dx + W_ty + h (p_x - T_x),   sum y N = m g dy - W_tx + h (p_y - T_y),
 
-and are spread as `WheelSet` spreads the weight at rest. How the mass is spread over the height is left out.
+with p the pull of a floor's slope, which is at the CoM. All other effects are taken to act at the floor. The loads are
+spread as `WheelSet` spreads the weight at rest. How the mass is spread over the height is left out.
 `cartgrasp/kernels/floor.py` works it out.
 
 Along a direction of the cart's parameters, with dM, db and de the slopes of M_b, b and e,

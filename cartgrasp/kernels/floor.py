@@ -7,7 +7,7 @@ from cartgrasp.frames import PLANAR, Array
 from . import rigid_body
 from .dynamics import Point, hold, lifted, mass_matrix, situation, solve, sum_effects
 from .jit import compiled
-from .situation import SWINGING_ROW
+from .situation import HIGH_ROWS, SWINGING_ROW
 from .wheel_loads import fill_map
 from .workspace import MEMORY_COLUMN, PHI_COLUMN, Workspace
 
@@ -53,7 +53,7 @@ def react(m: Workspace, point: Point, height: float, into: tuple[Array, Array, A
             constraint = across[i] * (inertial[i, j] - 1.0 if i == j else inertial[i, j])
             lateral[PLANAR[j]] += constraint
             lateral[6] += constraint * push
-        _feel(m, wheels, height, (i, 6), offset)
+        _feel(m, wheels, height, (i, 6), offset - m.wrench[HIGH_ROWS[i], 0])
     for q in range(len(slopes)):
         _slope(m, (mobility, inertial), rigid, (q, height), slopes[q])
 
@@ -96,6 +96,11 @@ def _slope(
             offset = kept * changed + inertial[i, c] * felt
             _feel(m, wheels, height, (i, 6), offset)
             lateral[6] += across[i] * (offset - felt if i == c else offset)
+    for i in range(2):
+        high = m.wrench[HIGH_ROWS[i], first + q]
+        for d in range(4):
+            high += m.wrench[HIGH_ROWS[i], PHI_COLUMN + d] * own[d]
+        _feel(m, wheels, height, (i, 6), -high)
 
 
 @compiled

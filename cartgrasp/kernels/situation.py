@@ -4,7 +4,8 @@ An effect's file holds one kernel for each thing that it does; `vocabulary.py` c
 
     wrench(at, own, out)                   adds the wrench in {b} to `out`, with all partials, in 3 rows; in a fourth
                                            the part (kg) of phi's mass that does not follow the cart's u', with
-                                           partials by parameters
+                                           partials by parameters; in two more what of the force along x and y acts
+                                           as high as the CoM, with partials by phi and parameters
     memory_rate(at, own, out)              adds the rate of the memory, with partials; a row for each memory
     stiction(at, own, columns) -> n        writes n wrenches (3,) into the first of columns (m, 3), which are 0
     settled(at, own, memory)               writes where the memory comes to rest
@@ -20,6 +21,8 @@ from cartgrasp.frames import Array
 Twist = tuple[float, float, float]
 SWINGING_ROW = 3
 """The row behind those of the wrench: of the mass that does not follow u'."""
+HIGH_ROWS = (4, 5)
+"""Rows of what of the wrench's force acts at the height of the CoM, not on the floor: it leans on the wheels."""
 
 
 class KernelSituation(NamedTuple):

@@ -12,7 +12,7 @@ from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
 from .jit import Ints, compiled
-from .situation import SWINGING_ROW
+from .situation import HIGH_ROWS
 from .vocabulary import KINDS
 
 N_WORKSPACE_SIZES = 7
@@ -21,7 +21,7 @@ N_EFFECT_INTS = 8
 N_PHI = 4
 POSE_COLUMN, VELOCITY_COLUMN, PHI_COLUMN, MEMORY_COLUMN = 1, 4, 7, 11
 """Where the partials by each begin in a row of sums, behind the value; those by parameters end it."""
-N_WRENCH = SWINGING_ROW + 1
+N_WRENCH = HIGH_ROWS[-1] + 1
 """Rows of the wrench's sums."""
 
 
@@ -42,9 +42,9 @@ class Workspace(NamedTuple):
     for those that say how their memory moves; the `roots` (e,) of how long their stiction keeps its value; `wheels`
     (n, 3) and `pivots` (k, 3) as in `KernelSituation`; `basis` (3, f).
 
-    Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (4, 11 + k + p) of the effects'
-    `wrench` with what swings (`SWINGING_ROW`) and (k, 11 + k + p) of the memory's rate, one after the other in `sums`;
-    and `loads` (n,), `carried` (n, 4) and `standing` (n,) of the wheels."""
+    Then room for what is summed: `phi` (4,), `phi_by_parameters` (4, p), and rows (6, 11 + k + p) of the effects'
+    `wrench` with what swings (`SWINGING_ROW`) and what acts high (`HIGH_ROWS`), and (k, 11 + k + p) of the memory's
+    rate, one after the other in `sums`; and `loads` (n,), `carried` (n, 4) and `standing` (n,) of the wheels."""
 
     gravity: float
     smoothing_speed: float

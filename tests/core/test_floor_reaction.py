@@ -9,7 +9,15 @@ import pytest
 
 import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_spatial
-from cartgrasp.effects import LoadSlosh, PayloadChange, RollingResistance, ViscousDrag, WheelMisalignment
+from cartgrasp.effects import (
+    FloorSlope,
+    LoadSlosh,
+    PayloadChange,
+    RollingResistance,
+    UnknownSlope,
+    ViscousDrag,
+    WheelMisalignment,
+)
 from cartgrasp.errors import UsageError
 from cartgrasp.floor_reaction import FloorReaction, check_loads
 from cartgrasp.motion import Motion
@@ -75,6 +83,30 @@ def test_at_rest_and_pushed():
     assert pushed.sum() == pytest.approx(24 * 9.81)
 
 
+@pytest.mark.parametrize("as_unknown", [False, True])
+@pytest.mark.parametrize("heading", [0.0, 0.7, -2.5])
+def test_weight_on_a_slope_leans_on_the_lower_wheels(heading, as_unknown):
+    """In space: gravity is tilted and pulls at the CoM. Hands on the floor hold the cart; or it rolls down freely, and
+    leans no more than on a level floor."""
+    grade = np.array([0.06, -0.04])
+    level = cart(None)
+    sloped = level.with_effect(FloorSlope(*grade))
+    if as_unknown:
+        d = level.inertia.com
+        moments = d[0] * grade[1] - d[1] * grade[0], -d[0] * grade[0] - d[1] * grade[1]
+        sloped = level.with_effect(UnknownSlope(*grade, *moments))
+    motion = Motion(np.array([0.0, 0.0, heading]), np.zeros(3))
+    back = np.array([[np.cos(heading), np.sin(heading)], [-np.sin(heading), np.cos(heading)]])
+    pull, com = np.append(-24.0 * 9.81 * back @ grade, -24.0 * 9.81), np.array([0.35, 0.06, HEIGHT])
+    held = np.concatenate([-pull[:2], [0, 0, 0], [-np.cross(com, pull)[2]]])
+    floor = FloorReaction.of(sloped, motion)
+    loads = floor.loads(held)
+    moment = sum(np.cross([w.x, w.y, 0.0], [0, 0, load]) for w, load in zip(TRICYCLE, loads, strict=True))
+    assert moment + np.cross(com, pull) + held[3:] == pytest.approx(np.zeros(3), abs=1e-9)
+    assert loads.sum() == pytest.approx(24.0 * 9.81)
+    assert floor.loads(np.zeros(6)) == pytest.approx(FloorReaction.of(level, motion).loads(np.zeros(6)), rel=1e-9)
+
+
 CARTS = {
     "axle ahead": (cg.RollingConstraints(0.1), ()),
     "axle": (cg.RollingConstraints(0.0), ()),
@@ -94,6 +126,8 @@ def test_partials_by_the_parameters(name):
         RollingResistance(0.02),
         PayloadChange(0.5, 4.0, 0.2, 0.1),
         LoadSlosh(5.0),
+        FloorSlope(0.05, -0.03),
+        UnknownSlope(0.02, 0.01, 0.003, -0.002),
         *turned,
     )
     model = replace(cart(effects=effects), constraints=constraints)

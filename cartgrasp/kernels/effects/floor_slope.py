@@ -7,7 +7,7 @@ import math
 from cartgrasp.frames import Array
 
 from ..jit import compiled
-from ..situation import EffectValues, KernelSituation, Parts
+from ..situation import HIGH_ROWS, EffectValues, KernelSituation, Parts
 
 
 @compiled
@@ -21,6 +21,12 @@ def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
         out.by_pose[i, 2] += _pulled(i, pull_y, -pull_x, at.phi)
         out.by_parameters[i, 0] += _pulled(i, -gravity * cosine, gravity * sine, at.phi)
         out.by_parameters[i, 1] += _pulled(i, -gravity * sine, -gravity * cosine, at.phi)
+    for axis in range(2):
+        i, pull = HIGH_ROWS[axis], pull_x if axis == 0 else pull_y
+        out.value[i] += pull * at.phi[0]
+        out.by_phi[i, 0] += pull
+        out.by_parameters[i, 0] += _pulled(axis, -gravity * cosine, gravity * sine, at.phi)
+        out.by_parameters[i, 1] += _pulled(axis, -gravity * sine, -gravity * cosine, at.phi)
     out.by_phi[0, 0] += pull_x
     out.by_phi[1, 0] += pull_y
     out.by_phi[2, 1] += pull_y

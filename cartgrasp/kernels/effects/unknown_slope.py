@@ -5,7 +5,7 @@ from __future__ import annotations
 import math
 
 from ..jit import compiled
-from ..situation import EffectValues, KernelSituation, Parts
+from ..situation import HIGH_ROWS, EffectValues, KernelSituation, Parts
 
 
 @compiled
@@ -13,6 +13,8 @@ def wrench(at: KernelSituation, own: EffectValues, out: Parts) -> None:
     _add(at, own, out, 0, (0, 1), 1.0)
     _add(at, own, out, 1, (1, 0), -1.0)
     _add(at, own, out, 2, (2, 3), 1.0)
+    _add(at, own, out, HIGH_ROWS[0], (0, 1), 1.0)
+    _add(at, own, out, HIGH_ROWS[1], (1, 0), -1.0)
 
 
 @compiled
