@@ -9,16 +9,17 @@ from dataclasses import fields
 from pathlib import Path
 from typing import Any
 
+import numpy as np
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from .checks import MAX_DISTANCE, did_you_mean, listed
+from .checks import MAX_DISTANCE, MAX_NUMBER, did_you_mean, listed
 from .constraints import RollingConstraints
-from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh
+from .effects import KNOWN_EFFECTS, ConstraintEffect, Effect, LoadSlosh, PayloadChange
 from .effects.effect import Setting
 from .errors import CartgraspError, FileError, SettingError, UsageError
 from .first_guess import PHYSICAL_NAMES, FirstGuess
-from .inertia import Inertia
+from .inertia import Inertia, phi_from_physical
 from .model import CartModel
 from .wheels import Wheel
 from .writing import write_atomically
@@ -99,6 +100,8 @@ def cart_from_document(
         raise refuse(["com"], why)
     if entry.com_height is not None and entry.com_height < 0:
         raise refuse(["com_height"], f"{entry.com_height:g} m is below the floor")
+    if entry.com_height is not None and entry.com_height > MAX_DISTANCE:
+        raise refuse(["com_height"], f"{entry.com_height:g} m is beyond {MAX_DISTANCE:g} m; lengths are in m")
     known = KNOWN_EFFECTS | {kind.name: kind for kind in own}
     constraints, effects = _constraints(entry.constraints, refuse), _effects(entry.effects, known, refuse)
     for effect in effects:
@@ -111,8 +114,10 @@ def cart_from_document(
     if swung >= entry.mass:
         why = f"{swung:g} kg swings on a cart of {entry.mass:g} kg; give `mass` of the cart with all that swings on it"
         raise refuse(["effects", "load_slosh"], why)
+    body = Inertia(entry.mass, (entry.com[0], entry.com[1]), entry.inertia)
+    _check_payloads(body, [effect for effect in effects if isinstance(effect, PayloadChange)], refuse)
     return CartModel(
-        inertia=Inertia(entry.mass, (entry.com[0], entry.com[1]), entry.inertia),
+        inertia=body,
         constraints=constraints,
         effects=effects,
         wheels=_wheels(entry.wheels, refuse),
@@ -202,6 +207,19 @@ def _effects(entries: Mapping[str, Any], known: Mapping[str, type[Effect]], refu
     return tuple(effects)
 
 
+def _check_payloads(body: Inertia, loads: Sequence[PayloadChange], refuse: Any) -> None:
+    """Refuses a cart that is no body once its loads have been put on and taken off, one after the other."""
+    phi = body.phi
+    for load in sorted(loads, key=lambda load: (load.time, -load.mass)):
+        with np.errstate(all="ignore"):  # what is too large is no body either
+            phi = phi + phi_from_physical(load.mass, load.x, load.y, 0.0)
+        try:
+            Inertia.from_phi(phi)
+        except CartgraspError as error:
+            why = f"{load.mass:g} kg from {load.time:g} s on leaves no cart: {error}; take off what is on it"
+            raise refuse(["effects", load.name, *filter(None, [load.label])], why) from error
+
+
 def _first_guess(entry: _CartEntry, effects: Sequence[Effect], refuse: Any) -> FirstGuess:
     names = [*PHYSICAL_NAMES, *(key for effect in effects for key in effect.keys)]
     std = {}
@@ -211,6 +229,8 @@ def _first_guess(entry: _CartEntry, effects: Sequence[Effect], refuse: Any) -> F
         std[name] = _number(value, ["std", name], refuse)
         if std[name] <= 0:
             raise refuse(["std", name], f"{std[name]:g} is not positive; what is sure stands under `known`")
+        if std[name] > MAX_NUMBER:
+            raise refuse(["std", name], f"{std[name]:g} is beyond {MAX_NUMBER:g}; leave it out where nothing is known")
     allowed = [*names, *(effect.key for effect in effects)]
     for i, name in enumerate(entry.known):
         if name not in allowed:

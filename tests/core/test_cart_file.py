@@ -130,6 +130,12 @@ def test_numpy_numbers_are_numbers():
     assert cart_from_text(cart_text(cart)) == cart
 
 
+def test_what_was_put_on_may_be_taken_off():
+    """In whatever order it is written."""
+    loads = "effects:\n  payload_change:\n    off: {time: 9, mass: -50, x: 0.3}\n    on: {time: 5, mass: 50, x: 0.3}\n"
+    assert cart_from_text(SHORT + loads).phi_at(7.0)[0] == pytest.approx(70.0)
+
+
 MISTAKES = [
     # text, line, column, key, words
     ("", 1, 1, "", "a mapping `key: value` is needed"),
@@ -151,6 +157,20 @@ MISTAKES = [
     ("com: 0\nmass: 20\ninertia: 1\n", 1, 1, "com", "0 is not a list"),
     ("mass: 20\ncom: [0.3, left]\ninertia: 1\n", 2, 12, "com.1", "'left' is not a number"),
     (SHORT + "com_height: -1\n", 4, 1, "com_height", "below the floor"),
+    (SHORT + "std: {mass: 1e13}\n", 4, 7, "std.mass", "1e+13 is beyond 1e+12"),
+    (
+        SHORT + "effects:\n  payload_change: {mass: 1e300, x: 1e300}\n",
+        *(5, 3, "effects.payload_change", "leaves no cart: "),
+    ),
+    (SHORT + "com_height: 450\n", 4, 1, "com_height", "450 m is beyond 50 m; lengths are in m"),
+    (
+        SHORT + "effects:\n  payload_change: {time: 10, mass: -30}\n",
+        *(5, 3, "effects.payload_change", "-30 kg from 10 s on leaves no cart: mass: -10 kg is not positive"),
+    ),
+    (
+        SHORT + "effects:\n  payload_change:\n    on: {mass: 5, x: 0.3}\n    off: {time: 9, mass: -5, x: 3.0}\n",
+        *(7, 5, "effects.payload_change.off", "-5 kg from 9 s on leaves no cart: inertia: "),
+    ),
     (SHORT + "name: 5\n", 4, 1, "name", "5 is not text"),
     (SHORT + "constraints: {x: 0}\n", 4, 1, "constraints", "is not a list"),
     (SHORT + "constraints:\n  - no_rotation\n", 5, 5, "constraints.0", "mapping `key: value`; write `no_rotation: {}`"),
