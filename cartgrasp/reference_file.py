@@ -10,13 +10,15 @@ stretches:
 from __future__ import annotations
 
 import os
+from collections.abc import Sequence
 from dataclasses import dataclass
 from pathlib import Path
 
 from pydantic import Field
 from ruamel.yaml.comments import CommentedMap, CommentedSeq
 
-from .checks import number
+from .checks import number, pose
+from .errors import UsageError
 from .writing import write_atomically
 from .yaml_file import StrictModel, dump_yaml, file_error, read_yaml, validate
 
@@ -58,11 +60,13 @@ class StoredReference:
         return sum(stretch.duration for stretch in self.stretches)
 
     def save(self, path: str | os.PathLike[str]) -> Path:
-        """As YAML that `read_reference` reads."""
+        """As YAML that `read_reference` reads, in few digits where these end at rest, too."""
         document = CommentedMap({"says": self.says} if self.says else {})
         document["start"] = CommentedSeq(round(float(value), STORED_DIGITS) for value in self.start)
         document["start"].fa.set_flow_style()
-        document["stretches"] = [_entry(stretch) for stretch in self.stretches]
+        rounded = [Stretch(*(round(float(v), STORED_DIGITS) for v in vars(one).values())) for one in self.stretches]
+        is_whole = all(one.duration for one in rounded) and _ends_at_rest(rounded)
+        document["stretches"] = [_entry(stretch) for stretch in (rounded if is_whole else self.stretches)]
         return write_atomically(path, dump_yaml(document))
 
 
@@ -83,22 +87,34 @@ def read_reference(path: str | os.PathLike[str]) -> StoredReference:
     document, name = read_yaml(path), str(path)
     entry = validate(_ReferenceEntry, document, name)
     speed = yaw_rate = 0.0
+    stretches: list[Stretch] = []
     for i, one in enumerate(entry.stretches):
         speed, yaw_rate = speed + one.duration * one.acceleration, yaw_rate + one.duration * one.yaw_acceleration
         if max(abs(speed), abs(yaw_rate)) > MAX_REFERENCE_SPEED:
             why = f"leads to {speed:g} m/s and {yaw_rate:g} rad/s; speeds are in m/s, times in s"
             raise file_error(document, name, ["stretches", i], why)
+        try:
+            stretches.append(Stretch(one.duration, one.acceleration, one.yaw_acceleration))
+        except UsageError as error:
+            raise file_error(document, name, ["stretches", i], str(error)) from error
     if max(abs(speed), abs(yaw_rate)) > REST_SPEED_TOLERANCE:
         why = f"end with {speed:g} m/s and {yaw_rate:g} rad/s; they must end at rest"
         raise file_error(document, name, ["stretches"], why)
-    stretches = (Stretch(one.duration, one.acceleration, one.yaw_acceleration) for one in entry.stretches)
-    x, y, theta = entry.start
-    return StoredReference(tuple(stretches), (x, y, theta), entry.says)
+    try:
+        start = pose("start", entry.start)
+    except UsageError as error:
+        raise file_error(document, name, ["start"], str(error)) from error
+    return StoredReference(tuple(stretches), start, entry.says)
+
+
+def _ends_at_rest(stretches: Sequence[Stretch]) -> bool:
+    speed = sum(one.duration * one.acceleration for one in stretches)
+    yaw_rate = sum(one.duration * one.yaw_acceleration for one in stretches)
+    return max(abs(speed), abs(yaw_rate)) <= REST_SPEED_TOLERANCE
 
 
 def _entry(stretch: Stretch) -> CommentedMap:
     """Without what is zero."""
-    values = {name: round(float(value), STORED_DIGITS) for name, value in vars(stretch).items()}
-    entry = CommentedMap({name: value for name, value in values.items() if value})
+    entry = CommentedMap({name: float(value) for name, value in vars(stretch).items() if value})
     entry.fa.set_flow_style()
     return entry

@@ -24,6 +24,12 @@ def test_what_is_written_is_read_again(tmp_path):
     assert reference.at(0.0).pose_sb.tolist() == [1.0, -2.0, 0.5]
 
 
+def test_what_ends_at_rest_is_read_as_such(tmp_path):
+    """Digits that are left out would leave 0.2 µm/s."""
+    way = StoredReference((Stretch(1.2345678, 0.7123456789), Stretch(1.2345678 * 0.7123456789 / 0.9, -0.9)))
+    assert read_reference(way.save(tmp_path / "next.yaml")) == way
+
+
 @pytest.mark.parametrize(
     ("text", "place", "why"),
     [
@@ -34,6 +40,8 @@ def test_what_is_written_is_read_again(tmp_path):
         ("stretches:\n  - {duration: 1, acceleration: .nan}", ":2", "finite"),
         ("stretches:\n  - {duration: 1, acceleration: 0.5}", ":1", "they must end at rest"),
         ("stretches:\n  - {duration: 3, acceleration: 500}", ":2", "speeds are in m/s"),
+        ("stretches:\n  - {duration: 0.05, acceleration: 1000}", ":2", "1000.0 is not a number from -100 to 100"),
+        ("start: [0, 0, 90]\nstretches:\n  - {duration: 1}", ":1", "90 degrees are 1.571 rad"),
         ("start: [0, 0]\nstretches:\n  - {duration: 1}", ":1", "start"),
     ],
 )
