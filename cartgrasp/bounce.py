@@ -42,12 +42,13 @@ def _against(cart: CartModel, wall: Wall, before: Array, after: Array, clock: tu
     depth, end = (wall.side * (state[..., 0] - wall.position) for state in (before, after))
     limit = np.maximum(depth, 0.0)
     rows, free = cart.velocity_slice, cart.basis_b
-    ways = wall.side * (body_to_world(after[..., 2]) @ free)[..., 0, :]
+    normal = wall.side * body_to_world(after[..., 2])[..., 0, :]
+    ways = normal @ free
     hit = (end > limit) & ((ways**2).sum(axis=-1) > MIN_APPROACH_FRACTION**2)
     if not hit.any():
         return after
-    mass = cart.inverse(after, np.zeros(cart.constraints.n_free), time=time).by_acceleration
-    answer = np.linalg.solve(mass, ways[..., None])[..., 0]
+    answers = cart.rate(after, np.zeros(3), time=time).by_wrench[..., rows, :]  # M⁻¹ Sᵀ, also of what swings too much
+    answer = (answers @ normal[..., None])[..., 0]
     answer = answer / np.maximum((ways * answer).sum(axis=-1), np.finfo(float).tiny)[..., None]
     speeds = (wall.side * (body_to_world(s[..., 2]) @ free @ s[..., rows, None])[..., 0, 0] for s in (before, after))
     share, speed = _reached(limit - depth, end - depth, step, *speeds)

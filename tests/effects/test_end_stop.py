@@ -14,7 +14,7 @@ from cartgrasp.bounce import bounced, walls_of
 from cartgrasp.cart_file import cart_from_text, cart_text
 from cartgrasp.constraints import RollingConstraints
 from cartgrasp.contacts import ContactWrenches
-from cartgrasp.effects import EndStop, FloorSlope, RollingResistance
+from cartgrasp.effects import EndStop, FloorSlope, LoadSlosh, RollingResistance
 from cartgrasp.frames import body_to_world
 from cartgrasp.inertia import Inertia
 from cartgrasp.model import CartModel
@@ -52,7 +52,8 @@ def kinetic(cart, state):
 def hit(cart, pose, velocity, step=0.01, share=0.5):
     """States before and after a step in which a cart goes on as it was, through a wall at the middle of its way."""
     middle = cart.state(pose, velocity)
-    way = np.append(body_to_world(pose[2]) @ cart.constraints.basis_b @ velocity, np.zeros(len(velocity)))
+    way = np.zeros(len(middle))
+    way[:3] = body_to_world(pose[2]) @ cart.constraints.basis_b @ velocity
     before, after = middle - step * share * way, middle + step * (1 - share) * way
     before[2] = after[2] = pose[2]  # the heading in which it is
     return before, after
@@ -101,6 +102,21 @@ def test_an_impact_keeps_momentum_across_and_gives_back_its_share(rolling, pose,
     assert lost == pytest.approx(felt * (1 - restitution) * approach / 2, abs=1e-9)
     still = side * (found[0] - pose[0])
     assert still <= 1e-12  # on the side it came from
+
+
+@pytest.mark.parametrize("rolling", [RollingConstraints(None), RollingConstraints(0.5)])
+@pytest.mark.parametrize("swinging", [8.0, 11.6, 14.0])
+def test_whatever_swings_a_cart_bounces(rolling, swinging):
+    """What swings beyond all that a free cart lets is as little to be felt at once as in its motion."""
+    effects = EndStop(1.0, restitution=0.5), LoadSlosh(swinging, 1.0, 0.1)
+    cart = CartModel(Inertia(24.0, (0.3, 0.3), ABOUT_COM), rolling, effects)
+    before, after = hit(cart, (1.0, 0.0, 0.9), rolling.free_velocity([1.0, 0.0, 0.0]))
+    found, rows = bounced(cart, before, after, 0.0, 0.01), cart.velocity_slice
+    wall = body_to_world(0.9)[0]
+    impulse = cart.rate(before, -wall).value[rows] - cart.rate(before, 0 * wall).value[rows]
+    change, speed = found[rows] - before[rows], wall @ rolling.basis_b @ before[rows]
+    assert wall @ rolling.basis_b @ found[rows] == pytest.approx(-0.5 * speed, abs=1e-9)
+    np.testing.assert_allclose(change / np.linalg.norm(change), impulse / np.linalg.norm(impulse), atol=1e-9)
 
 
 @given(speed=numbers(0.05, 3.0), restitution=numbers(0, 1), mass=numbers(0.5, 300.0))
