@@ -193,7 +193,8 @@ class LearnedForce(CompiledForce):
         return (f"{self.key}.way",) if self.of in MEMORY_VARIABLES else ()
 
     def first_memory(self, wheels: WheelSet, velocity_b: Array) -> Array:
-        began = math.copysign(INITIAL_REVERSAL_DISTANCE, velocity_b[0]) if self.of == "since_reversal" else 0.0
+        speed = float(velocity_b[0] - self.lever * velocity_b[2])
+        began = math.copysign(INITIAL_REVERSAL_DISTANCE, speed) if self.of == "since_reversal" else 0.0
         return np.full(len(self.memory_names(wheels)), began)
 
     def memory_spread(self, wheels: WheelSet) -> Array:

@@ -215,6 +215,15 @@ def told_ways(speeds, step=0.002):
     return np.abs(told), ways
 
 
+@pytest.mark.parametrize("lever", [0.27, -0.27])
+def test_a_turn_on_the_spot_begins_without_a_reversal(lever):
+    """Of the wheel at the lever, whichever way it rolls."""
+    cart = cart_with(LearnedForce("drag", "since_reversal", lever=lever, knots=(0.1, 1.0)))
+    n = 200
+    told = cart.memory_along(np.zeros((n, 3)), np.tile([0.0, 0.0, 1.0], (n, 1)), 0.01 * np.arange(n))[:, 0]
+    np.testing.assert_allclose(np.abs(told), INITIAL_REVERSAL_DISTANCE + 0.27 * 0.01 * np.arange(n), atol=1e-9)
+
+
 @pytest.mark.parametrize("pace", [0.2, 1.0, 2.5])
 def test_a_reversal_is_told_within_some_centimetres_at_any_speed(pace):
     """After h log(1 + D / h) at D, h being `REVERSAL_LENGTH`; from there on the way is short by that, and by
