@@ -16,6 +16,8 @@ MOTION_SAMPLE_PERIOD, MOTION_DURATION = 0.02, 12.0
 MOTION_SPEED, MOTION_YAW_RATE = 0.5, 0.5
 MAX_REMAINING_VARIANCE_RATIO = 0.8
 """Largest share of a simpler motion's variance that a better motion may leave."""
+MAX_TOLD_VARIANCE_RATIO = 0.5
+"""Share of the variance that a motion must leave less than to be told of at all."""
 HANDLE_LEVER = 0.3
 """m: levers of two hands at a handle."""
 
@@ -76,9 +78,9 @@ def remedy(estimate: Estimate, free: np.ndarray, direction: Array, noise: Wrench
         return None
     cart, v, part = estimate.cart(), direction[free], np.ix_(free, free)
     known = np.linalg.inv(estimate.covariance[part])
-    best, least = None, 0.5 * float(v @ np.linalg.solve(known, v))
+    best, most = None, MAX_TOLD_VARIANCE_RATIO * float(v @ np.linalg.solve(known, v))
     for motion in exciting_motions():
         after = float(v @ np.linalg.solve(known + motion.information(cart, noise)[part], v))
-        if after < MAX_REMAINING_VARIANCE_RATIO * least:
-            best, least = motion.says, after
+        if after < most:
+            best, most = motion.says, MAX_REMAINING_VARIANCE_RATIO * after
     return best

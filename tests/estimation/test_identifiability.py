@@ -9,9 +9,9 @@ from cartgrasp.errors import UsageError
 from cartgrasp.inertia import Inertia
 from cartgrasp.information import WrenchNoise
 from cartgrasp.model import CartModel
-from cartgrasp.motion import Measurement
+from cartgrasp.motion import Estimate, Measurement, Motion
 from estimation import CartFilter, FilterNoise, PaperFilter, Prior
-from estimation.experiments.exciting_motions import exciting_motions
+from estimation.experiments.exciting_motions import exciting_motions, remedy
 from estimation.identifiable import identifiability
 from estimation.whole_log.replay import replay
 
@@ -98,6 +98,15 @@ def test_a_turn_teaches_as_much_as_it_accelerates(axle):
     found = turn.information(cart, WrenchNoise(force=1e-6, moment=0.1, rate=50.0))
     rate = np.gradient(turn.twist_b[:, 2], 0.02)
     assert found[3, 3] == pytest.approx(float(rate @ rate) / (2 * 0.1**2))
+
+
+@pytest.mark.parametrize(("left", "is_told"), [(0.3, True), (0.45, True), (0.55, False)])
+def test_a_remedy_leaves_less_than_half_of_the_variance(left, is_told):
+    cart = guess(effects=())
+    most = max(motion.information(cart, WrenchNoise())[0, 0] for motion in exciting_motions())
+    covariance = np.eye(4) * (1 / left - 1) / most
+    seen = Estimate(0.0, Motion(np.zeros(3), np.zeros(2)), {}, "ok", cart, cart.parameters, covariance)
+    assert (remedy(seen, np.array([0]), np.eye(4)[0], WrenchNoise()) is not None) == is_told
 
 
 def test_an_estimate_without_a_covariance_is_refused():
