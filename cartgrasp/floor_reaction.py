@@ -91,17 +91,17 @@ class WheelForces(NamedTuple):
     loads: Array | None
 
     @classmethod
-    def of(cls, cart: CartModel, wrench_b: Array, motion: Motion | None = None) -> Self:
+    def of(cls, cart: CartModel, wrench_b: Array, motion: Motion | None = None, time: float = 0.0) -> Self:
         """Under a spatial wrench (6,) of the hands about {b}'s origin, at a motion or at rest."""
-        rows = cart.floor_rows(_state(cart, motion))[0]
+        rows = cart.floor_rows(_state(cart, motion), time)[0]
         forces = rows[:, :6] @ wrench_b + rows[:, 6]
         return cls(float(forces[-1]), forces[:-1] if tells_loads(cart) else None)
 
 
-def straight_force(cart: CartModel, motion: Motion | None = None) -> tuple[Array, float]:
+def straight_force(cart: CartModel, motion: Motion | None = None, time: float = 0.0) -> tuple[Array, float]:
     """What the fixed wheels take sideways, N, of hands that give the effective rows of a planar wrench (3,), and
     nothing across the wheels: its slope (3,) by the wrench, and what there is without any."""
-    row, slope = cart.floor_rows(_state(cart, motion))[0, -1], np.zeros(3)
+    row, slope = cart.floor_rows(_state(cart, motion), time)[0, -1], np.zeros(3)
     slope[:2] = cart.rolling.across_b
     return slope + TO_PLANAR @ row[:6], float(row[6])
 

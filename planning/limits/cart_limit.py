@@ -165,7 +165,7 @@ class CartRows:
 
 @dataclass(frozen=True, eq=False)
 class PushedCart:
-    """A cart as it is pushed now: the model that is believed, its motion, and the arms that push it.
+    """A cart as it is pushed now, at a time (s): the model that is believed, its motion, and the arms that push it.
 
     Before the first estimate `motion` is None, and the cart at rest. `motion.velocity` is nu (k,), its free velocities;
     `velocity_b` is the same in {b}."""
@@ -173,6 +173,7 @@ class PushedCart:
     cart: CartModel
     motion: Motion | None
     arms: Sequence[Arm]
+    time: float = 0.0
 
     @cached_property
     def velocity_b(self) -> Array:
@@ -187,11 +188,11 @@ class PushedCart:
 
     @cached_property
     def floor(self) -> FloorReaction:
-        return FloorReaction.of(self.cart, self.motion)
+        return FloorReaction.of(self.cart, self.motion, self.time)
 
     @cached_property
     def floor_with_partials(self) -> tuple[FloorReaction, Array]:
-        return FloorReaction.with_partials(self.cart, self.motion)
+        return FloorReaction.with_partials(self.cart, self.motion, self.time)
 
 
 class CartLimit(ABC):

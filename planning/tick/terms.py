@@ -137,7 +137,8 @@ class Terms:
         before the first."""
         if self.estimate is None:
             return straight_force(self._pushed.cart)
-        return straight_force(read_cart(self.estimate, self.base.basis_b), self.estimate.motion)
+        cart = read_cart(self.estimate, self.base.basis_b)
+        return straight_force(cart, self.estimate.motion, self.estimate.time)
 
     @property
     def first(self) -> Array:
@@ -170,7 +171,7 @@ class Terms:
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):
-                pushed, on_floor = PushedCart(cart, estimate.motion, self.base.arms), self._on_floor
+                pushed, on_floor = PushedCart(cart, estimate.motion, self.base.arms, estimate.time), self._on_floor
                 if cart.structure is not self._pushed.cart.structure:
                     on_floor = self._cart_limits.on_floor(cart)
                 rows = self._cart_limits.rows(pushed, covariance, on_floor)
@@ -253,7 +254,7 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
 
 
 def _wheel_forces(estimate: Estimate, basis_b: Array, wrench_b: Array) -> WheelForces:
-    return WheelForces.of(read_cart(estimate, basis_b), wrench_b, estimate.motion)
+    return WheelForces.of(read_cart(estimate, basis_b), wrench_b, estimate.motion, estimate.time)
 
 
 def possible_contacts(arm: Arm) -> ContactSet:

@@ -13,6 +13,7 @@ from scipy.optimize import linprog
 
 import cartgrasp as cg
 from cartgrasp.contacts import grasp_map_planar, grasp_map_spatial
+from cartgrasp.effects import PayloadChange
 from cartgrasp.floor_reaction import FloorReaction
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.motion import Motion
@@ -337,3 +338,17 @@ def test_margins_by_hand():
     assert margins["left: joint 2 torque lower"] == pytest.approx(JOINTS.torques(f)[2] + 30.0)
     assert "left: tx upper" not in margins  # it has no limit
     assert WrenchPlanner(shopping_cart(), arms).plan((400, 0, 0)).margins == {}
+
+
+@pytest.mark.parametrize(("time", "load"), [(4.0, 0.0), (6.0, 8.0)])
+def test_wheels_bear_a_load_from_when_it_is_put_on(time, load):
+    """By the estimate's time. In front of the casters it lifts the fixed wheels, whose least load then binds."""
+    cart = shopping_cart().with_effect(PayloadChange(5.0, 8.0, 1.2, 0.0))
+    planner = WrenchPlanner(cart, hands({}), cart_limits=[TipOver(20.0)])
+    seen = cg.Estimate(time, Motion(np.zeros(3), np.zeros(2)), {}, "", cart, cart.parameters)
+    plan = planner.plan((10.0, 0.0, 0.0), estimate=seen)
+    assert plan.wheel_loads.sum() == pytest.approx((MASS + load) * 9.81 - plan.contact_wrenches.spatial_wrench_b[2])
+    alike = shopping_cart().with_inertia(cg.Inertia.from_phi(cart.phi_at(time)))
+    other = WrenchPlanner(alike, hands({}), cart_limits=[TipOver(20.0)]).plan((10.0, 0.0, 0.0))
+    assert plan.effort == pytest.approx(other.effort)
+    assert plan.wheel_loads == pytest.approx(other.wheel_loads, abs=1e-3)
