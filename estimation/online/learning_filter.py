@@ -56,6 +56,8 @@ class LearningFilter:
         learner.take(measurement)
         self.time = learner.time
         self._move(float(measurement.time), learner.seen, learner.measured_wrench)
+        if motion.began_anew_at == self.time:
+            learner.note_moved_source()
         motion.believe(learner.learned.theta, learner.learned.covariance)
 
     def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:

@@ -64,6 +64,7 @@ class ParameterLearner:
         self._sensing = WrenchSensing(cart, arms, yaws, noise.wrench_covariance)
         self._memory = FollowedMemory(cart, noise.swivel)
         self._measured_motion, self._started = MeasuredMotion(), False
+        self._is_elsewhere = False  # whether the motion begins anew with the next pose
         self.unfinished: Stage | None = None  # how far a row is worked out
         self.took_long = False  # whether something of a row was worked out with the last sample
         self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
@@ -77,7 +78,8 @@ class ParameterLearner:
         sensing.note_contacts(measurement)
         seen = self.seen = self._measured_motion.of(measurement)
         is_seen = self._measured_motion.is_whole or bool(np.isfinite(seen).any())
-        if not self._started or time - (self._motion_seen_at if is_seen else self.time) > MAX_REGRESSION_GAP:
+        is_lost = not self._started or (self._is_elsewhere and bool(np.isfinite(seen[:3]).all()))
+        if is_lost or time - (self._motion_seen_at if is_seen else self.time) > MAX_REGRESSION_GAP:
             self._start(time)
             seen = np.concatenate([NO_MOTION[:3], seen[3:]])
         if is_seen:
@@ -101,6 +103,11 @@ class ParameterLearner:
     def note_disturbance(self, acts: bool) -> None:
         """Whether something else pushes in the rows that come next."""
         self.learned.is_disturbed = acts
+
+    def note_moved_source(self) -> None:
+        """Somebody who knows the wrenches, too, found that poses are elsewhere than was believed, for good. Where they
+        are elsewhere than is believed here, the motion begins anew with the next one."""
+        self._is_elsewhere = self.tracker.has_missed
 
     def note_push(self) -> None:
         """Somebody who has heard more found that what surprised is no load."""
@@ -166,6 +173,7 @@ class ParameterLearner:
         self.tracker.start(time, pose)
         self._memory = self._memory.lost()
         self._drop_link()
+        self._is_elsewhere = False
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _believe(self) -> None:

@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+from dataclasses import replace
+
 import numpy as np
 import pytest
 
@@ -11,7 +13,9 @@ from cartgrasp.first_guess import FirstGuess
 from cartgrasp.frames import body_to_world
 from cartgrasp.simulation import ModelPlant
 from cartgrasp.wheels import Wheel
-from estimation import CartFilter, FilterNoise
+from estimation import CartFilter, DisturbedFilter, FilterNoise
+
+from ..runs import simulate_two_hands
 
 NOISE = FilterNoise(position=0.001, heading=0.001, linear_velocity=0.01, yaw_rate=0.01, force=2.0, moment=0.08)
 DEVIATIONS = np.array([2.0, 2.0, 2.0, 0.08, 0.08, 0.08])
@@ -21,6 +25,9 @@ EFFECTS = ViscousDrag(5.0, 3.0), RollingResistance(0.01)
 BED = cg.CartModel(cg.Inertia(80.0, (0.0, 0.0), 30.0), cg.RollingConstraints(None), EFFECTS, CORNERS, first_guess=STD)
 TROLLEY = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0), effects=(ViscousDrag(3.0, 1.2),))
 HAND, STEP = np.array([-0.25, 0.0, 0.95]), 0.002
+PUSHED = (24.0, 0.28, 0.06, 2.2, 3.0, 1.2, 0.0)
+FIRST = cg.CartModel(cg.Inertia(20.0, (0.3, 0.0), 1.8), effects=(ViscousDrag(2.0, 1.0),))
+LEARNING = FilterNoise(force=1.0, moment=0.05)
 
 
 def driven(cart, duration, push=None, spoiled=None, has_velocity=False):
@@ -92,3 +99,23 @@ def test_poses_that_go_elsewhere_than_measured_velocities_are_not():
     )
     assert errors[-1] < 0.25
     assert healths[-1] == "outliers"
+
+
+@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
+@pytest.mark.parametrize("turned_by", [0.0, 0.5])
+def test_parameters_are_learned_beyond_a_new_origin(kind, turned_by):
+    """A tracker that was started again tells other places, at times other directions, for good. Nothing more was ever
+    learned, no load and no reversed sensor seen, with health ok."""
+    made, found = kind(FIRST, ["left", "right"], noise=LEARNING), []
+    cosine, sine = np.cos(turned_by), np.sin(turned_by)
+    turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    for m in simulate_two_hands(PUSHED, 4, duration=16.0, noise=(0.0005, 0.005, 1.0)).measurements():
+        if m.time >= 5.0:
+            m = replace(m, pose=turn @ m.pose + [2.0, 1.0, turned_by], velocity=turn @ m.velocity)
+        found.append(made.update(m))
+    before, after = (next(one for one in found if one.time >= time) for time in (4.9, 15.9))
+    assert after.health == "ok"
+    for name, true in zip(("mass", "com_x", "com_y"), PUSHED, strict=False):
+        told = after.parameters[name]
+        assert abs(told.value - true) < 3.0 * told.std
+        assert told.std < 0.8 * before.parameters[name].std
