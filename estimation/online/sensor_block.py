@@ -23,6 +23,8 @@ SENSOR_BLOCK_DURATION = 0.25
 """s, of a block."""
 MAX_BLOCK_SAMPLES = 64
 """Samples of each sensor that are looked at."""
+MIN_JUMP_STEPS = 8
+"""Steps from pose to pose that tell a jump: of a cart that starts with the way growing as t³, fewer do so, too."""
 MAX_MEASURED_VALUE = 1e9
 """SI: beyond, nothing was measured."""
 FULL_TURN = 2.0 * math.pi
@@ -30,10 +32,11 @@ T = TypeVar("T")
 
 
 class SensorBlock(NamedTuple):
-    """Mean time (s) of the poses; where {b} was (2,), and the heading by HEADING_FACTORS (3,). The mean velocity (3,)
-    in {s}, and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise of a sample's
-    velocity, linear and yaw, None where they can't be told."""
+    """Times (s) and poses (n, 4); their mean time, where {b} was (2,), and the heading by HEADING_FACTORS (3,). The
+    mean velocity (3,) in {s}, and the mean wrenches (3,) of the arms in {b}, or None; and variances (2,) of white noise
+    of a sample's velocity, linear and yaw, None where they can't be told."""
 
+    poses: Array
     time: float
     place: list[float]
     headings: list[float]
@@ -75,8 +78,24 @@ def wrapped(angle: float) -> float:
     return (angle + math.pi) % FULL_TURN - math.pi
 
 
-def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[float]] | None:
-    """Mean time, place and headings; None where no pose is whole."""
+def poses_jump(first: SensorBlock, last: SensorBlock) -> bool:
+    """Whether positions or headings jump, to and fro or for good: beside the two longest steps, all others together are
+    shorter than what the longest is too long. So quickly no cart is sped up that is seen often enough."""
+    rows = np.concatenate([first.poses, last.poses])
+    time, x, y, turn = np.diff(rows, axis=0).T
+    if len(time) < MIN_JUMP_STEPS:
+        return False
+    for way in (np.hypot(x, y), np.abs((turn + math.pi) % FULL_TURN - math.pi)):
+        order = np.argsort(way)
+        longest, others = order[-1], order[:-2]
+        gone, lasting = float(way[others].sum()), float(time[others].sum())
+        if way[longest] - gone * time[longest] / lasting > gone:
+            return True
+    return False
+
+
+def poses_of(samples: Sequence[Measurement]) -> tuple[Array, float, list[float], list[float]] | None:
+    """Times and poses, their mean time, place and headings; None where no pose is whole."""
     seen = _thinned([(m.time, m.pose) for m in samples if m.pose is not None])
     rows = _whole([(time, *pose) for time, pose in seen])
     if rows is None:
@@ -88,7 +107,7 @@ def poses_of(samples: Sequence[Measurement]) -> tuple[float, list[float], list[f
     for factor in HEADING_FACTORS:
         off = sum([(factor * (one - first) + math.pi) % FULL_TURN for one in turned]) - math.pi * len(turned)
         headings.append(factor * first + off / n)
-    return sum(times) / n, [x / n, y / n], headings
+    return rows, sum(times) / n, [x / n, y / n], headings
 
 
 def velocities_of(samples: Sequence[Measurement]) -> tuple[list[float] | None, tuple[float, float] | None]:

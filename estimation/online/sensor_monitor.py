@@ -41,6 +41,7 @@ from .sensor_block import (
     SENSOR_BLOCK_DURATION,
     SampleBuffer,
     SensorBlock,
+    poses_jump,
     poses_of,
     velocities_of,
     wrapped,
@@ -93,7 +94,7 @@ class SensorMonitor:
         self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
         self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
         self._products, self._rows, self._power = np.zeros((2, 2)), 0.0, CompetingExplanations(())
-        self._sure, self._noise_blocks = 0, 0.0
+        self._sure, self._noise_blocks, self._jumps = 0, 0.0, (False, False)  # of the last two ways
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
         self.noise_factors = np.ones(2)
@@ -157,10 +158,15 @@ class SensorMonitor:
             self.noise_factors = np.array([one if one > MIN_NOISE_RATIO**2 else 1.0 for one in (linear, yaw)])
 
     def _compare_motion(self, first: SensorBlock, last: SensorBlock) -> None:
-        """Poses against the way that wheels roll, and against velocities."""
+        """Poses against the way that wheels roll, and against velocities; a jump is no way."""
         span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
         turns = [wrapped(new - old) for old, new in zip(first.headings, last.headings, strict=True)]
         distance = x * x + y * y
+        self._fast = self._fast.and_then([float(distance <= (MAX_PLAUSIBLE_SPEED * span) ** 2)], 1.0)
+        self._speed = math.sqrt(distance) / span
+        self._jumps = self._jumps[1], poses_jump(first, last)
+        if self._jumps[1]:
+            return
         if self._slip is not None:
             by_x, by_y, by_turn = self._slip
             slipped, rolled = [], []
@@ -172,8 +178,6 @@ class SensorMonitor:
             self._sideways = self._sideways.and_then([off * off for off in slipped], distance)
             self._axle = self._axle.and_then(turns[0], slipped[0] / by_y, distance)
             self._direction = self._direction.and_then(rolled[0], slipped[0])
-        self._fast = self._fast.and_then([float(distance <= (MAX_PLAUSIBLE_SPEED * span) ** 2)], 1.0)
-        self._speed = math.sqrt(distance) / span
         if first.velocity is None or last.velocity is None:
             return
         u, v, r = [0.5 * span * (old + new) for old, new in zip(first.velocity, last.velocity, strict=True)]
@@ -185,7 +189,7 @@ class SensorMonitor:
         """Adds products of the power of each arm's recorded wrench and that which inertia and friction of the first
         guess take on the same way."""
         first, middle, last = blocks
-        if first.wrenches_b is None or middle.wrenches_b is None or last.wrenches_b is None:
+        if any(self._jumps) or first.wrenches_b is None or middle.wrenches_b is None or last.wrenches_b is None:
             return
         before, after = _twist(first, middle), _twist(middle, last)
         step = 0.5 * (last.time - first.time)

@@ -15,7 +15,14 @@ from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
 from estimation import CartFilter, DisturbedFilter, FilterNoise, RegressorEstimator
 from estimation.health import Health
-from estimation.online.sensor_block import HEADING_FACTORS, poses_of, velocities_of, wrenches_of
+from estimation.online.sensor_block import (
+    HEADING_FACTORS,
+    SensorBlock,
+    poses_jump,
+    poses_of,
+    velocities_of,
+    wrenches_of,
+)
 from estimation.online.sensor_monitor import SensorMonitor
 from estimation.whole_log.replay import replay
 
@@ -236,7 +243,8 @@ def test_block_means():
     """Against numpy's, whatever the heading's turn."""
     log = turned(run(), 3.0)
     rows = list(log.measurements())[300:325]
-    time, place, headings = poses_of(rows)
+    poses, time, place, headings = poses_of(rows)
+    np.testing.assert_array_equal(poses[:, 1:], log.pose[300:325])
     assert time == pytest.approx(np.mean(log.time[300:325]))
     assert place == pytest.approx(log.pose[300:325, :2].mean(axis=0))
     theta = np.unwrap(log.pose[300:325, 2]).mean()
@@ -270,3 +278,36 @@ def test_headings_that_jump_are_not_in_degrees(turned_by):
     wrong = (log.time > 3.0) & (log.time < 3.5)
     found = replay(replace(log, pose=log.pose + np.outer(wrong, [0.0, 0.0, turned_by])), CartFilter(GUESS, noise=NOISY))
     assert not [one for told in found.estimates for one in told.suspicions if one.where == "heading"]
+
+
+def moved(log, jumps):
+    """With poses elsewhere at times."""
+    return replace(log, pose=log.pose + np.outer(jumps(log.time), [2.0, 1.0, 0.0]))
+
+
+@pytest.mark.parametrize("has_velocity", [True, False])
+@pytest.mark.parametrize(("until", "sign"), [(5.01, 1.0), (5.1, 1.0), (99.0, 1.0), (99.0, -1.0)])
+def test_a_tracker_that_jumps_says_nothing_of_wrenches(until, sign, has_velocity):
+    """Once, to and fro, or for good. For minutes after a jump of 2 m wrenches had been told to be in kgf, and no sign
+    was seen to be reversed."""
+    log = with_wrenches(simulate_two_hands(PLANT, 5, duration=14.0, noise=(0.0005, 0.005, 1.0)), sign)
+    log = moved(log if has_velocity else replace(log, velocity=None), lambda time: (time >= 5.0) & (time < until))
+    found = replay(log, CartFilter(GUESS, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))).estimates
+    told = {(one.kind, one.where) for estimate in found for one in estimate.suspicions if one.kind != "noise"}
+    assert told == (set() if sign > 0.0 else {("sign", "wrench")})
+
+
+def test_only_what_jumps_jumps():
+    """Neither a start with a constant jerk, nor noise, nor a gap, nor a coarse tracker."""
+    time, random = 0.02 * np.arange(26), np.random.default_rng(1)
+    start = np.outer(0.2 * time**3, [1.0, 0.5, 2.0])
+    sound = [start, 5e-4 * random.normal(size=(26, 3)), np.outer(np.round(0.3 * time, 2), [1.0, 0.0, 0.0])]
+    jumped = [start + np.outer(time > 0.3, off) for off in ([1.0, 0.0, 0.0], [0.0, 0.0, 1.0])]
+    spike = start + np.outer(np.arange(26) == 14, [1.0, 0.0, 0.0])
+    gap = np.delete(np.arange(26), np.arange(14, 20))
+    for poses, rows in [*((one, np.arange(26)) for one in (*sound, *jumped, spike)), (start, gap)]:
+        told = [
+            SensorBlock(*poses_of([Measurement(time[k], pose=poses[k]) for k in half]), None, None, None)
+            for half in (rows[rows < 13], rows[rows >= 13])
+        ]
+        assert poses_jump(*told) == (any(poses is one for one in (*jumped, spike)))
