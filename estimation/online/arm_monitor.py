@@ -14,6 +14,7 @@ from cartgrasp.motion import Measurement
 from cartgrasp.wheels import GRAVITY
 
 from ..sensor_check.suspicion import Suspicion
+from .measured_motion import is_contact
 
 MAX_WEIGHT_RATIO = 5.0
 """Times the weight of the cart as first guessed, N and N·m: no arm gives as much, be it to squeeze a cart."""
@@ -42,7 +43,7 @@ class ArmMonitor:
 
     def note(self, measurement: Measurement) -> None:
         self._recorded |= measurement.wrenches.keys()
-        self._holding |= measurement.contacts.keys()
+        self._holding |= {arm for arm, contact in measurement.contacts.items() if is_contact(contact)}
 
     @property
     def suspicions(self) -> Iterator[Suspicion]:

@@ -1,6 +1,9 @@
-"""What a measurement says of the motion, as one row of numbers; and what says nothing of motion, and of wrenches."""
+"""What a measurement says of the motion, as one row of numbers; and what says nothing of motion, wrenches, contacts."""
 
 from __future__ import annotations
+
+import math
+from collections.abc import Sequence
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +20,11 @@ def usable(values: ArrayLike) -> Array:
     numbers = np.array(values, dtype=float)
     numbers[np.abs(numbers) > MAX_NUMBER] = np.nan
     return numbers
+
+
+def is_contact(told: Sequence[float] | Array) -> bool:
+    """Whether a contact (3,) says where in the plane an arm holds; its height may be missing."""
+    return math.isfinite(told[0]) and math.isfinite(told[1])
 
 
 class MeasuredMotion:

@@ -34,6 +34,7 @@ from .competing_explanations import (
     CompetingExplanations,
 )
 from .direction_monitor import DirectionMonitor
+from .measured_motion import is_contact
 from .power_balance import PowerBalance
 from .sensor_block import (
     FULL_TURN,
@@ -119,7 +120,8 @@ class SensorMonitor:
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
         """Looks at a block of samples, in pieces."""
         for measurement in samples:
-            self._contacts.update(measurement.contacts)
+            told = measurement.contacts.items()
+            self._contacts.update({arm: contact for arm, contact in told if is_contact(contact)})
         moved = poses_of(samples)
         if moved is None:
             self._blocks = ()

@@ -174,6 +174,11 @@ def test_what_comes_too_late_is_left_out():
         (["Left"], {"left": (0.0, 0.0, 1.0)}, "Left: no wrench of it has come; those that came are of left"),
         (None, {}, "left: its wrenches come without a contact; give contacts={'left': (x, y, z)} once"),
         (["left"], {}, "left: its wrenches come without a contact; give contacts={'left': (x, y, z)} once"),
+        (
+            ["left"],
+            {"left": (np.nan, 0.0, 1.0)},
+            "left: its wrenches come without a contact; give contacts={'left': (x, y, z)} once",
+        ),
     ],
 )
 def test_arms_without_a_usable_wrench_are_named(arms, holds, words):

@@ -311,3 +311,11 @@ def test_only_what_jumps_jumps():
             for half in (rows[rows < 13], rows[rows >= 13])
         ]
         assert poses_jump(*told) == (any(poses is one for one in (*jumped, spike)))
+
+
+def test_a_contact_that_is_missing_once_blinds_nobody():
+    """It had done so for good: no sign was told any more."""
+    made = CartFilter(GUESS, ["hand"], noise=NOISY)
+    for k, m in enumerate(with_wrenches(run(), -1.0).measurements()):
+        told = made.update(replace(m, contacts={"hand": np.full(3, np.nan)}) if k == 50 else m)
+    assert ("sign", "wrench") in {(one.kind, one.where) for one in told.suspicions}
