@@ -14,6 +14,7 @@ from cartgrasp.motion import Measurement
 from cartgrasp.wheels import GRAVITY
 
 from ..sensor_check.suspicion import Suspicion
+from .kernels.sensor_health import SENSOR_TIMEOUT
 from .measured_motion import is_contact
 
 MAX_WEIGHT_RATIO = 5.0
@@ -21,28 +22,29 @@ MAX_WEIGHT_RATIO = 5.0
 
 
 class ArmMonitor:
-    """Notes of which arms there were wrenches and contacts so far, and which are none in the last sample."""
+    """Notes of which arms there were wrenches and contacts so far, when, and whose last wrench was none. Arms may come
+    in samples of their own."""
 
     def __init__(self, cart: CartModel, arms: Sequence[str] | None) -> None:
         self._asked, self._weight = arms, GRAVITY * cart.inertia.mass
-        self._recorded, self._holding = set[str](), set[str]()
-        self._too_large: dict[str, float] = {}
-        self._not_numbers: tuple[str, ...] = ()
+        self._time, self._recorded, self._holding = -math.inf, dict[str, float](), set[str]()  # s, and s of the last
+        self._sizes: dict[str, float] = {}  # of the last, N and N·m
 
     def within_range(self, measurement: Measurement) -> Measurement:
         """With numbers that are none for wrenches that are too large."""
         if not measurement.wrenches:
             return measurement
         sizes = {arm: math.hypot(wrench[0], wrench[1], wrench[5]) for arm, wrench in measurement.wrenches.items()}
-        self._too_large = {arm: size for arm, size in sizes.items() if size > MAX_WEIGHT_RATIO * self._weight}
-        self._not_numbers = tuple([arm for arm, size in sizes.items() if math.isnan(size)])
-        if not self._too_large:
+        self._sizes.update(sizes)
+        too_large = [arm for arm, size in sizes.items() if size > MAX_WEIGHT_RATIO * self._weight]
+        if not too_large:
             return measurement
-        nothing = dict.fromkeys(self._too_large, np.full(6, np.nan))
+        nothing = dict.fromkeys(too_large, np.full(6, np.nan))
         return replace(measurement, wrenches={**measurement.wrenches, **nothing})
 
     def note(self, measurement: Measurement) -> None:
-        self._recorded |= measurement.wrenches.keys()
+        self._time = max(self._time, measurement.time)
+        self._recorded.update(dict.fromkeys(measurement.wrenches, self._time))
         self._holding |= {arm for arm, contact in measurement.contacts.items() if is_contact(contact)}
 
     @property
@@ -54,11 +56,13 @@ class ArmMonitor:
                 yield _missing(arm, f"no wrench of it has come; those that came are of {others}")
             elif arm not in self._holding:
                 yield _missing(arm, f"its wrenches come without a contact; give contacts={{{arm!r}: (x, y, z)}} once")
-        for arm in self._not_numbers:
-            yield _missing(arm, "its wrench is NaN: the sensor, or its driver, tells no number")
-        for arm, size in self._too_large.items():
-            times = f"{size / self._weight:.2g} times the weight of the cart"
-            yield _missing(arm, f"its wrench is {times}: that is no reading, or it is not in N and N·m")
+            elif (silent := self._time - self._recorded[arm]) > SENSOR_TIMEOUT:
+                yield _missing(arm, f"no wrench of it has come for {silent:.1f} s")
+            elif math.isnan(size := self._sizes[arm]):
+                yield _missing(arm, "its wrench is NaN: the sensor, or its driver, tells no number")
+            elif size > MAX_WEIGHT_RATIO * self._weight:
+                times = f"{size / self._weight:.2g} times the weight of the cart"
+                yield _missing(arm, f"its wrench is {times}: that is no reading, or it is not in N and N·m")
 
 
 def _missing(arm: str, words: str) -> Suspicion:

@@ -30,7 +30,6 @@ class FrozenWrenches:
 
     def __init__(self) -> None:
         self._arms: dict[str, _Sensor] = {}
-        self._frozen: tuple[str, ...] = ()  # in the last sample that had wrenches
 
     def without_frozen(self, measurement: Measurement) -> Measurement:
         """With numbers that are none for wrenches that froze."""
@@ -43,14 +42,13 @@ class FrozenWrenches:
                 sensor = self._arms[arm] = _Sensor()
             if sensor.repeats(measurement.time, np.asarray(wrench, dtype=float)):
                 frozen.append(arm)
-        self._frozen = tuple(frozen)
         if not frozen:
             return measurement
         return replace(measurement, wrenches={**measurement.wrenches, **dict.fromkeys(frozen, np.full(6, np.nan))})
 
     @property
     def suspicions(self) -> Iterator[Suspicion]:
-        for arm in self._frozen:
+        for arm in [name for name, sensor in self._arms.items() if sensor.is_frozen]:
             words = f"{arm}: its wrench comes again to the last bit: the force sensor, or its driver, has frozen"
             yield Suspicion("repeated", arm, 1.0 - FALSE_FREEZE_PROBABILITY, None, words)
 
@@ -63,6 +61,8 @@ class _Sensor:
         self._rows = self._again = 0
         self._wrench = self._change = ZERO_WRENCH
         self._turned = np.zeros(6)
+        self.is_frozen = False
+        """Whether the last wrench of it was none."""
         self._longest: int | None = None  # run that may be by chance; None: it tells no noise, or is not known
 
     def repeats(self, time: float, wrench: Array) -> bool:
@@ -73,8 +73,9 @@ class _Sensor:
         self._run = self._run + 1 if is_again else 0
         if self._rows < SENSOR_CALIBRATION_ROWS:
             self._learn(wrench, is_again)
-        is_frozen = self._longest is not None and self._run > self._longest
-        return is_frozen and bool(wrench.any()) and bool(np.isfinite(wrench).all())
+        is_too_long = self._longest is not None and self._run > self._longest
+        self.is_frozen = is_too_long and bool(wrench.any()) and bool(np.isfinite(wrench).all())
+        return self.is_frozen
 
     def _learn(self, wrench: Array, is_again: bool) -> None:
         if not np.isfinite(wrench).all():

@@ -468,3 +468,25 @@ def test_what_pushes_no_planar_cart_may_be_missing(online, effects, odd):
             assert estimate.health != "no_wrench"
         found.append(estimate.model_parameters)
     np.testing.assert_array_equal(*found)
+
+
+@pytest.mark.parametrize("fault", ["not a number", "too large", "frozen", "silent"])
+@pytest.mark.parametrize("arms", [["left", "right"], None], ids=["declared", "seen"])
+def test_an_arm_is_named_in_every_sample(fault, arms):
+    """Arms may come in samples of their own: the other's took the name away. A silent arm had no name at all."""
+    random = np.random.default_rng(2)
+    learner, last, kinds = CartFilter(guess(), arms, noise=NOISE, prior=KNOWN), np.zeros(6), []
+    for k in range(400):
+        for name, late in (("left", 0.0), ("right", 0.004)):
+            felt = random.normal(size=6)
+            if name == "left" and k >= 250:
+                felt = {"not a number": np.full(6, np.nan), "too large": np.full(6, 1e5)}.get(fault, last)
+                if fault == "silent":
+                    continue
+            last = felt if name == "left" else last
+            hold = {name: (-0.3, 0.2 if name == "left" else -0.2, 1.0)}
+            told = learner.update(Measurement(0.01 * k + late, np.zeros(3), None, {name: felt}, hold))
+            if k >= 320:
+                assert told.health == "no_wrench"
+                kinds.append({(one.kind, one.where) for one in told.suspicions})
+    assert all(one == {("repeated" if fault == "frozen" else "missing", "left")} for one in kinds)
