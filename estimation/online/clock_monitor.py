@@ -1,7 +1,7 @@
 """Whether time stamps are in seconds: velocities over a time are a way, and poses tell how far it was.
 
-Stamps in milliseconds make samples of seconds apart, from which nothing follows a motion. Where they are so far apart,
-ways by velocities are held against those of poses with each unit of time as a rival.
+Stamps in milliseconds make samples of seconds apart, from which nothing follows a motion. Where they are so far apart
+that nothing is learned, ways by velocities are held against those of poses with each unit of time as a rival.
 """
 
 from __future__ import annotations
@@ -20,6 +20,7 @@ from ..sensor_check.wrench_readings import UNIT_ODDS
 from .competing_explanations import CompetingExplanations
 from .first_motion import MAX_TRACKING_GAP
 from .measured_motion import usable
+from .regressor.parameter_learner import MAX_REGRESSION_GAP
 
 TIME_UNITS = {"s": 1.0, "ms": 1e-3, "μs": 1e-6, "ns": 1e-9}
 """s."""
@@ -31,18 +32,27 @@ class ClockMonitor:
     """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
-        self.is_lost = False
-        """Whether the last sample came too long after the one before for a motion to be followed."""
-        self._time, self._gap = -math.inf, 0.0
+        self._is_apart = False
+        self._time = self._seen_at = -math.inf  # of the last sample, and of the last with a pose and a velocity
+        self._gap = 0.0
         self._start_anew()
+
+    @property
+    def is_lost(self) -> bool:
+        """Whether the last sample came too long after the one before for a motion to be followed, or stamps seem to be
+        in another unit."""
+        return self._is_apart or any(self.suspicions)
 
     def note(self, measurement: Measurement) -> None:
         gap, time = measurement.time - self._time, measurement.time
         if not gap > 0.0:
             return
-        self.is_lost, self._time, self._gap = MAX_TRACKING_GAP < gap < math.inf, time, gap
-        if self.is_lost:
-            self._go_on(measurement, gap)
+        self._is_apart, self._time = MAX_TRACKING_GAP < gap < math.inf, time
+        if measurement.pose is None or measurement.velocity is None:
+            return
+        self._gap, self._seen_at = time - self._seen_at, time
+        if MAX_REGRESSION_GAP < self._gap < math.inf:
+            self._go_on(usable(measurement.pose)[:2], usable(measurement.velocity)[:2], self._gap)
         elif self._rivals.rows or self._place is not None:
             self._start_anew()
 
@@ -65,11 +75,8 @@ class ClockMonitor:
         self._place: Array | None = None
         self._velocity, self._way, self._samples = np.zeros(2), np.zeros(2), 0
 
-    def _go_on(self, measurement: Measurement, gap: float) -> None:
+    def _go_on(self, place: Array, velocity: Array, gap: float) -> None:
         """By one sample of the way, which is whole or begins a new one."""
-        if measurement.pose is None or measurement.velocity is None:
-            return
-        place, velocity = usable(measurement.pose)[:2], usable(measurement.velocity)[:2]
         if not np.isfinite([place, velocity]).all():
             self._place = None
             return

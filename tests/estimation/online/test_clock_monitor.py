@@ -4,11 +4,13 @@ from dataclasses import replace
 
 import pytest
 
+from cartgrasp.motion import Measurement
 from estimation.health import Health
 from estimation.online.clock_monitor import TIME_UNITS
 from estimation.whole_log.replay import replay
 
-from .test_sensor_monitor import GUESS, KINDS, run
+from ..runs import CONTACT
+from .test_sensor_monitor import GUESS, KINDS, at_rate, run
 
 ONLINE = pytest.mark.parametrize("which", KINDS)
 
@@ -51,3 +53,20 @@ def test_samples_that_really_are_far_apart_are_only_stale(which):
     found = told(sparse, which)
     assert not any(one.suspicions for one in found)
     assert {one.health for one in found[1:]} == {Health.STALE}
+
+
+@pytest.mark.parametrize("which", KINDS)
+@pytest.mark.parametrize(("rate", "late"), [(1000, 0.0), (2000, 0.0), (1000, 0.0001), (100, 0.005)])
+def test_milliseconds_are_told_of_quick_loops_too(which, rate, late):
+    """At 1 kHz stamps are no more than 1 s apart, and health was ok though nothing could be learned. Wrenches of their
+    own stamps hid the unit, too."""
+    kind, noise = KINDS[which]
+    made = kind(GUESS, ["hand"], noise=noise)
+    for time, pose, velocity, wrench in zip(*(part[: 3 * 1000] for part in at_rate(rate)), strict=True):
+        estimate = made.update(Measurement(1000.0 * time, pose, velocity))
+        if late:
+            estimate = made.update(Measurement(1000.0 * (time + late), None, None, {"hand": wrench}, {"hand": CONTACT}))
+        elif time == 0.0:
+            made.update(Measurement(0.0, None, None, {"hand": wrench}, {"hand": CONTACT}))
+    assert estimate.health == Health.STALE
+    assert [(one.kind, one.where, one.factor) for one in estimate.suspicions] == [("unit", "time", 1e-3)]
