@@ -1,8 +1,9 @@
 """Wrenches that come again, to the last bit, under new stamps: a force sensor, or its driver, that has frozen.
 
 A sensor is known by its first rows: how seldom one repeats the last by chance, and whether its noise goes to and fro,
-as white noise does in two rows of three. Of one that tells noise, a run of repeats that is too long for chance is no
-measurement. Of any other nothing is said, nor of a hand that gives nothing.
+as white noise does in two rows of three. Zeros of an arm that gives nothing yet tell nothing of it. Of a sensor that
+tells noise, a run of repeats that is too long for chance is no measurement. Of any other nothing is said, nor of a hand
+that gives nothing.
 """
 
 from __future__ import annotations
@@ -78,7 +79,7 @@ class _Sensor:
         return self.is_frozen
 
     def _learn(self, wrench: Array, is_again: bool) -> None:
-        if not np.isfinite(wrench).all():
+        if not (np.isfinite(wrench).all() and wrench.any()):
             return
         change = wrench - self._wrench
         self._turned += change * self._change < 0.0

@@ -37,6 +37,15 @@ def test_a_sensor_that_tells_noise_never_stays_as_it_is():
     assert not believed[SENSOR_CALIBRATION_ROWS + 24 : SENSOR_CALIBRATION_ROWS + 60].any()
 
 
+def test_a_sensor_is_known_by_what_it_tells_once_it_tells():
+    """An arm that comes later gives exact zeros until then: it had never been known to tell noise."""
+    felt = np.concatenate([np.zeros((300, 6)), rows(SENSOR_CALIBRATION_ROWS + 100, 0.1)])
+    felt[-60:] = felt[-61]
+    believed = told(felt)
+    assert believed[:-60].all()
+    assert not believed[-50:].any()
+
+
 @pytest.mark.parametrize(
     "felt",
     [
