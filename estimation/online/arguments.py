@@ -75,6 +75,18 @@ def _are_numbers(part: object, n: int) -> bool:
     return isinstance(part, list | tuple) and len(part) == n and all(isinstance(one, int | float) for one in part)
 
 
+def owned(measurement: Measurement) -> Measurement:
+    """The measurement with arrays of its own: samples wait, and are gone back to, while a caller's arrays go on."""
+    pose, velocity = measurement.pose, measurement.velocity
+    return Measurement(
+        measurement.time,
+        None if pose is None else np.array(pose, dtype=float),
+        None if velocity is None else np.array(velocity, dtype=float),
+        {arm: np.array(wrench, dtype=float) for arm, wrench in measurement.wrenches.items()},
+        {arm: np.array(contact, dtype=float) for arm, contact in measurement.contacts.items()},
+    )
+
+
 def _check_thoroughly(measurement: Measurement) -> None:
     cure = "write Measurement(time, pose, velocity, wrenches, contacts)"
     check_kind("filter: measurement", measurement, Measurement, cure)

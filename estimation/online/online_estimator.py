@@ -17,7 +17,7 @@ from cartgrasp.tracked_point import TrackedPoint
 from ..health import Health
 from ..parameter_report import qualified_by_health
 from ..sensor_check.suspicion import REFUSED_KINDS, Suspicion
-from .arguments import EstimatorArguments, check_measurement
+from .arguments import EstimatorArguments, check_measurement, owned
 from .arm_monitor import ArmMonitor
 from .clock_monitor import ClockMonitor
 from .frozen_wrenches import FrozenWrenches
@@ -57,7 +57,7 @@ class OnlineEstimator(ABC, Generic[C]):
         known at the time of the newest; one that is too late is left out (`clock_went_back`)."""
         check_measurement(measurement)
         samples, monitor = self._samples, self._sensor_monitor
-        sample = self._tracked.at_body(samples.on_steady_clock(measurement))
+        sample = self._tracked.at_body(samples.on_steady_clock(owned(measurement)))
         sample = self._repeated_velocities.without_repeats(self._repeated_poses.without_repeats(sample, self._motion))
         sample = self._frozen_wrenches.without_frozen(self._arm_monitor.within_range(sample))
         newest_before = samples.state.time

@@ -101,3 +101,22 @@ def test_time_goes_on_where_no_pose_has_come(samples):
     for sample in samples[:60]:
         told = made.update(replace(sample, pose=None))
     assert told.time == samples[59].time
+
+
+@pytest.mark.parametrize("which", ESTIMATORS)
+def test_arrays_may_be_filled_anew(which, samples):
+    """To the last bit, whether a loop makes new ones or not, with poses in time or late. Samples that waited had the
+    numbers of later ones: 24 kg came out as 21 ± 1.8 with health ok, or nothing fitted."""
+    fresh, used = ESTIMATORS[which](), ESTIMATORS[which]()
+    pose, velocity, wrench, contact = np.zeros(3), np.zeros(3), np.zeros(6), np.zeros(3)
+    for k, sample in enumerate(samples):
+        old = samples[max(k - 8, 0)]
+        pose[:], velocity[:] = old.pose, old.velocity
+        wrench[:], contact[:] = sample.wrenches["hand"], sample.contacts["hand"]
+        used.update(Measurement(old.time, pose, velocity))
+        fresh.update(replace(old, wrenches={}, contacts={}))
+        told = used.update(Measurement(sample.time, None, None, {"hand": wrench}, {"hand": contact}))
+        expected = fresh.update(replace(sample, pose=None, velocity=None))
+    np.testing.assert_array_equal(told.model_parameters, expected.model_parameters)
+    np.testing.assert_array_equal(told.motion.pose_sb, expected.motion.pose_sb)
+    assert (told.health, told.suspicions) == (expected.health, expected.suspicions)
