@@ -75,11 +75,11 @@ class _Sensor:
         if self._rows < SENSOR_CALIBRATION_ROWS:
             self._learn(wrench, is_again)
         is_too_long = self._longest is not None and self._run > self._longest
-        self.is_frozen = is_too_long and bool(wrench.any()) and bool(np.isfinite(wrench).all())
+        self.is_frozen = is_too_long and _pushes(wrench)
         return self.is_frozen
 
     def _learn(self, wrench: Array, is_again: bool) -> None:
-        if not (np.isfinite(wrench).all() and wrench.any()):
+        if not _pushes(wrench):
             return
         change = wrench - self._wrench
         self._turned += change * self._change < 0.0
@@ -92,3 +92,9 @@ class _Sensor:
             self._longest = math.ceil(
                 math.log(FALSE_FREEZE_PROBABILITY) / math.log((self._again + 1) / (SENSOR_CALIBRATION_ROWS + 2))
             )
+
+
+def _pushes(wrench: Array) -> bool:
+    """Whether something is told of what pushes a planar cart; the other components may be anything."""
+    fx, fy, _, _, _, tz = wrench.tolist()
+    return math.isfinite(fx + fy + tz) and (fx != 0.0 or fy != 0.0 or tz != 0.0)

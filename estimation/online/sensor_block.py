@@ -137,10 +137,11 @@ def wrenches_of(
     """The mean planar wrench (3,) of each arm in {b}; None where one of them, or where it holds, is not known."""
     found = list[list[float]]()
     for arm in arms:
-        rows = _whole(_thinned([m.wrenches[arm] for m in samples if arm in m.wrenches]))
+        told = _thinned([m.wrenches[arm] for m in samples if arm in m.wrenches])
+        rows = _whole([(wrench[0], wrench[1], wrench[5]) for wrench in told])
         if rows is None or arm not in contacts:
             return None
-        (fx, fy, _, _, _, tz), (x, y, *_) = _mean(rows), contacts[arm]
+        (fx, fy, tz), (x, y, *_) = _mean(rows), contacts[arm]
         cosine, sine = math.cos(yaws.get(arm, 0.0)), math.sin(yaws.get(arm, 0.0))
         fx, fy = cosine * fx - sine * fy, sine * fx + cosine * fy
         found.append([fx, fy, float(x * fy - y * fx) + tz])

@@ -313,6 +313,13 @@ def test_only_what_jumps_jumps():
         assert poses_jump(*told) == (any(poses is one for one in (*jumped, spike)))
 
 
+def test_what_pushes_no_planar_cart_hides_no_sign():
+    """Sensors of a plane leave fz, tx and ty as NaN: nothing was ever seen of their signs."""
+    log = with_wrenches(run(), np.array([-1.0, -1.0, np.nan, np.nan, np.nan, -1.0]))
+    told = replay(log, CartFilter(GUESS, ["hand"], noise=NOISY)).last
+    assert ("sign", "wrench") in {(one.kind, one.where) for one in told.suspicions}
+
+
 def test_a_contact_that_is_missing_once_blinds_nobody():
     """It had done so for good: no sign was told any more."""
     made = CartFilter(GUESS, ["hand"], noise=NOISY)
