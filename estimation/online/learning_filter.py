@@ -23,6 +23,7 @@ from cartgrasp.shallow_copy import shallow_copy
 from ..gaussian import Gaussian
 from ..health import SensorHealth, by_sensor, overall_health
 from .first_motion import MAX_TRACKING_GAP
+from .kernels.sensor_health import OUTLYING
 from .measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from .regressor.parameter_learner import ParameterLearner
 from .regressor.wrench_noise_scale import WrenchNoiseScale
@@ -56,8 +57,8 @@ class LearningFilter:
         learner.take(measurement)
         self.time = learner.time
         self._move(float(measurement.time), learner.seen, learner.measured_wrench)
-        if motion.began_anew_at == self.time:
-            learner.note_moved_source()
+        if learner.is_torn and not motion.said & OUTLYING:
+            learner.begin_anew()
         motion.believe(learner.learned.theta, learner.learned.covariance)
 
     def _move(self, time: float, seen: Array, felt: Array = NO_WRENCHES) -> None:

@@ -108,11 +108,6 @@ class SchmidtFilter:
         self.time = time
 
     @property
-    def began_anew_at(self) -> float:
-        """s: when poses were found elsewhere than believed last (`kernels/relocalisation.py`)."""
-        return float(self.now.outlier_run[-1])
-
-    @property
     def motion(self) -> Motion:
         pose, nu, memory = self._motion_views
         return Motion(pose.copy(), nu.copy(), memory.copy())

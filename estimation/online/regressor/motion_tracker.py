@@ -178,11 +178,6 @@ class MotionTracker:
         return bool(2 * np.count_nonzero(missed > 1.0) > np.count_nonzero(np.isfinite(missed)))
 
     @property
-    def has_missed(self) -> bool:
-        """Whether the last moment's sample missed its gate."""
-        return bool(self._rows[self._n - 1, -1] > 1.0)
-
-    @property
     def seen_until(self) -> float:
         """Time of the last moment at which a pose or a velocity came, s."""
         seen = np.flatnonzero(np.isfinite(self._rows[: self._n, -1]))

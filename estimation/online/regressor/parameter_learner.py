@@ -65,6 +65,8 @@ class ParameterLearner:
         self._memory = FollowedMemory(cart, noise.swivel)
         self._measured_motion, self._started = MeasuredMotion(), False
         self._is_elsewhere = False  # whether the motion begins anew with the next pose
+        self.is_torn = False
+        """Whether most samples of the last block missed their gates."""
         self.unfinished: Stage | None = None  # how far a row is worked out
         self.took_long = False  # whether something of a row was worked out with the last sample
         self.time, self.seen, self.measured_wrench = -math.inf, NO_MOTION, NO_WRENCHES  # of the last measurement
@@ -104,10 +106,10 @@ class ParameterLearner:
         """Whether something else pushes in the rows that come next."""
         self.learned.is_disturbed = acts
 
-    def note_moved_source(self) -> None:
-        """Somebody who knows the wrenches, too, found that poses are elsewhere than was believed, for good. Where they
-        are elsewhere than is believed here, the motion begins anew with the next one."""
-        self._is_elsewhere = self.tracker.has_missed
+    def begin_anew(self) -> None:
+        """Somebody who knows the wrenches, too, follows the poses that here are elsewhere than believed: motion starts
+        anew with the next one."""
+        self._is_elsewhere = True
 
     def note_push(self) -> None:
         """Somebody who has heard more found that what surprised is no load."""
@@ -173,7 +175,7 @@ class ParameterLearner:
         self.tracker.start(time, pose)
         self._memory = self._memory.lost()
         self._drop_link()
-        self._is_elsewhere = False
+        self._is_elsewhere = self.is_torn = False
         self._started = math.isfinite(pose[2])  # without a heading nobody knows where anything pushes
 
     def _believe(self) -> None:
@@ -252,7 +254,8 @@ class ParameterLearner:
         moved = self._memory.along(smoothing.smoothed, self.learned.theta)
         wrenches, ahead = tracker.wrenches(end - 1, self.learned.wrench_delay)
         is_slow = self._least_speed > 0 and is_slower(moved, self.cart, self._least_speed)
-        is_whole = math.isfinite(ahead) and not tracker.is_torn(end - 1)
+        self.is_torn = tracker.is_torn(end - 1)
+        is_whole = math.isfinite(ahead) and not self.is_torn
         is_still = stands_still(moved, self.cart)
         self._memory = self._memory.after(moved, k)
         tracker.drop(k)
