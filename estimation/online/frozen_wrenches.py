@@ -23,7 +23,8 @@ SENSOR_CALIBRATION_ROWS, MIN_REVERSAL_FRACTION = 200, 0.5
 """Rows by which a sensor is known; share of these in which a component turns round, from which on that is noise."""
 FALSE_FREEZE_PROBABILITY = 1e-6
 """Probability of a run that is too long for chance."""
-ZERO_WRENCH = np.zeros(6)
+USED_COMPONENTS = [0, 1, 5]
+"""fx, fy and tz, which push a planar cart; the others may be anything."""
 
 
 class FrozenWrenches:
@@ -60,8 +61,8 @@ class _Sensor:
     def __init__(self) -> None:
         self._time, self._last, self._run = -math.inf, b"", 0
         self._rows = self._again = 0
-        self._wrench = self._change = ZERO_WRENCH
-        self._turned = np.zeros(6)
+        self._used = self._change = np.zeros(len(USED_COMPONENTS))
+        self._turned = np.zeros(len(USED_COMPONENTS))
         self.is_frozen = False
         """Whether the last wrench of it was none."""
         self._longest: int | None = None  # run that may be by chance; None: it tells no noise, or is not known
@@ -81,9 +82,10 @@ class _Sensor:
     def _learn(self, wrench: Array, is_again: bool) -> None:
         if not _pushes(wrench):
             return
-        change = wrench - self._wrench
+        used = wrench[USED_COMPONENTS]
+        change = used - self._used
         self._turned += change * self._change < 0.0
-        self._wrench, self._change = wrench, change
+        self._used, self._change = used, change
         self._rows, self._again = self._rows + 1, self._again + is_again
         if (
             self._rows == SENSOR_CALIBRATION_ROWS
@@ -95,6 +97,6 @@ class _Sensor:
 
 
 def _pushes(wrench: Array) -> bool:
-    """Whether something is told of what pushes a planar cart; the other components may be anything."""
-    fx, fy, _, _, _, tz = wrench.tolist()
+    """Whether something is told of what pushes."""
+    fx, fy, tz = wrench[USED_COMPONENTS].tolist()
     return math.isfinite(fx + fy + tz) and (fx != 0.0 or fy != 0.0 or tz != 0.0)
