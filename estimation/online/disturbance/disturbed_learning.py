@@ -61,6 +61,7 @@ MAX_DISTURBED_SHARE = 0.5
 disturbance of what the model explains: nobody knows which of them is right."""
 
 
+# Many methods: what every filter of samples has, and one for each of those that learn and observe here.
 class DisturbedLearning:
     """Observers see each sample at once, learners a `response` (s) later. Samples come in the order of their times;
     `LateSamples` sees to that."""
