@@ -18,11 +18,11 @@ from .warm_up import prepare
 def run(out: Path, as_json: bool, seed: int, quick: bool) -> int:
     make_folder(out)
     prepare(CartFilter)
-    with progress("pushing a loaded cart in MuJoCo") as tell:
+    with progress("pushing a loaded cart in MuJoCo", tells_begin=True) as tell:
         record = scenario(True, quick, seed).run(tell)
-    with progress("again, with casters and rolling resistance left out of the model") as tell:
+    with progress("again, with casters and rolling resistance left out of the model", tells_begin=True) as tell:
         poorer = scenario(False, quick, seed).run(tell)
-    with progress("drawing") as tell:
+    with progress("drawing", tells_begin=True) as tell:
         save_run(record, out, "Two arms push a loaded shopping cart")
         tell(0.5)
         save_run(poorer, out, "The same, with casters and rolling resistance left out", prefix="left_out_")

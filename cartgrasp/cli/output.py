@@ -9,6 +9,7 @@ import time
 from collections.abc import Callable, Iterator, Sequence
 from contextlib import contextmanager
 from pathlib import Path
+from threading import Event, Thread
 from typing import Any
 
 from ..errors import UsageError
@@ -64,6 +65,10 @@ def say(message: str) -> None:
     print(message, file=sys.stderr)
 
 
+MIN_PROGRESS_INTERVAL, MAX_PROGRESS_INTERVAL, PROGRESS_INTERVAL_RATIO = 4.0, 20.0, 0.2
+"""s between lines of progress where nobody draws a bar, and between these the share of the time that is gone."""
+
+
 class KernelProgressLines:
     """Lines on stderr while kernels are compiled, of so many if that is known."""
 
@@ -76,30 +81,49 @@ class KernelProgressLines:
         say(f"preparing kernels, once on this machine: {self.count}{of_all} ({kernel})")
 
 
-PROGRESS_INTERVAL = 20.0
-"""s between lines of progress where nobody draws a bar."""
+@contextmanager
+def told_on(what: str) -> Iterator[None]:
+    """Lines on stderr of how long it has taken so far, whatever else is told."""
+    begun, is_over = time.monotonic(), Event()
+
+    def tell() -> None:
+        while not is_over.wait(MIN_PROGRESS_INTERVAL):
+            say(f"{what}: {time.monotonic() - begun:.0f} s")
+
+    teller = Thread(target=tell, daemon=True)
+    teller.start()
+    try:
+        yield
+    finally:
+        is_over.set()
+        teller.join()
 
 
 class ShareProgressLines:
-    """Lines on stderr of how much is done, and how long the rest may take, while something takes long."""
+    """Lines on stderr of how much is done, and how long the rest may take, while something takes long; and one at the
+    beginning, if that is asked for."""
 
-    def __init__(self, what: str) -> None:
+    def __init__(self, what: str, *, tells_begin: bool = False) -> None:
         self._what, self._begun = what, time.monotonic()
+        if tells_begin:
+            say(f"{what} ...")
         self._told = self._begun
 
     def __call__(self, share: float) -> None:
         now = time.monotonic()
-        if now - self._told >= PROGRESS_INTERVAL and 0.0 < share < 1.0:
+        interval = PROGRESS_INTERVAL_RATIO * (now - self._begun)
+        interval = min(max(interval, MIN_PROGRESS_INTERVAL), MAX_PROGRESS_INTERVAL)
+        if now - self._told >= interval and 0.0 < share < 1.0:
             self._told, left = now, (now - self._begun) * (1.0 - share) / share
             rest = f"{left / 60:.0f} min" if left >= 120.0 else f"{left:.0f} s"
             say(f"{self._what}: {100 * share:.0f} %, {rest} left")
 
 
 @contextmanager
-def progress(what: str) -> Iterator[Callable[[float], None]]:
+def progress(what: str, *, tells_begin: bool = False) -> Iterator[Callable[[float], None]]:
     """A bar on stderr with the time left, or lines where that is no terminal; the caller tells the share done."""
     if not sys.stderr.isatty():
-        yield ShareProgressLines(what)
+        yield ShareProgressLines(what, tells_begin=tells_begin)
         return
     from rich.console import Console
     from rich.markup import escape

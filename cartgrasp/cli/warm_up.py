@@ -18,7 +18,7 @@ from ..compiling import ENTRY_KERNELS
 from ..inertia import Inertia
 from ..model import CartModel
 from ..wheels import Wheel
-from .output import KernelProgressLines, print_json
+from .output import KernelProgressLines, print_json, told_on
 
 FOREIGN_EFFECT_KERNELS = frozenset({"predict", "take", "topple"})
 """Kernels for carts that have effects without kernels."""
@@ -47,11 +47,12 @@ def prepare(kind: type[CartFilter] | type[DisturbedFilter] = DisturbedFilter) ->
     helper = subprocess.Popen([sys.executable, "-c", HELPER_CODE], stdout=subprocess.PIPE, text=True)
     listener = Thread(target=_tell_of, args=(helper, compiling))
     listener.start()
-    for places in (WARM_UP_CONTACTS[:1], WARM_UP_CONTACTS):
-        WrenchPlanner(WARM_UP_CART, [Arm("hand", places)]).warm_up()
-    WARM_UP_CART.dynamics.warm_up()
-    kind(WARM_UP_CART).warm_up()
-    listener.join()
+    with told_on("preparing kernels"):
+        for places in (WARM_UP_CONTACTS[:1], WARM_UP_CONTACTS):
+            WrenchPlanner(WARM_UP_CART, [Arm("hand", places)]).warm_up()
+        WARM_UP_CART.dynamics.warm_up()
+        kind(WARM_UP_CART).warm_up()
+        listener.join()
 
 
 def _tell_of(helper: subprocess.Popen[str], tell: Callable[[str], None]) -> None:

@@ -78,13 +78,14 @@ def test_no_bar_in_a_pipe_even_if_colours_are_forced():
 
 
 def test_lines_of_progress_in_a_pipe(capsys, monkeypatch):
-    """What takes long says so there, too."""
-    now = iter((0.0, 5.0, 21.0, 30.0, 60.0, 600.0))
+    """What takes long says so there, too: after 4 s, and the more seldom the longer it takes."""
+    now = iter((0.0, 5.0, 8.0, 30.0, 35.0, 60.0, 600.0))
     monkeypatch.setattr("time.monotonic", lambda: next(now))
     with progress("disturbances") as tell:
-        for share in (0.1, 0.3, 0.4, 0.5, 1.0):
+        for share in (0.1, 0.2, 0.3, 0.4, 0.5, 1.0):
             tell(share)
-    assert capsys.readouterr().err.splitlines() == ["disturbances: 30 %, 49 s left", "disturbances: 50 %, 60 s left"]
+    told = ("10 %, 45 s", "30 %, 70 s", "50 %, 60 s")
+    assert capsys.readouterr().err.splitlines() == [f"disturbances: {words} left" for words in told]
 
 
 @pytest.mark.parametrize("words", [words for words in WORDS if words], ids=" ".join)

@@ -6,10 +6,11 @@ import logging
 import os
 import subprocess
 import sys
+import time
 from pathlib import Path
 
 from cartgrasp import compile_notice
-from cartgrasp.cli import warm_up
+from cartgrasp.cli import output, warm_up
 from cartgrasp.cli.output import KernelProgressLines
 
 from .commands import run
@@ -96,3 +97,14 @@ def test_two_at_once_compile_each_kernel_once(tmp_path):
     told = [one.communicate()[0].split() for one in both]
     assert [one.returncode for one in both] == [0, 0]
     assert sorted(told, key=len) == [[], ["memories"]]
+
+
+def test_what_takes_long_is_told_on(capsys, monkeypatch):
+    monkeypatch.setattr(output, "MIN_PROGRESS_INTERVAL", 0.05)
+    with output.told_on("preparing kernels"):
+        time.sleep(0.3)
+    lines = capsys.readouterr().err.splitlines()
+    assert 2 <= len(lines) <= 6
+    assert set(lines) == {"preparing kernels: 0 s"}
+    time.sleep(0.1)
+    assert capsys.readouterr().err == ""
