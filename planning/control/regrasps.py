@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
+from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -37,8 +38,9 @@ from .command_tracking import probing
 from .hand import Hand, Phase, Point, RegraspTimes, point_of
 
 RETRY_INTERVAL = 0.2  # s until a hand that may not let go is asked again
-LOOKAHEAD_PLANS = 6
-"""Times within a regrasp at which the others' plans are made ahead."""
+LOOKAHEAD_SPACING = 0.1
+"""s at most between the times within a regrasp at which the others' plans are made ahead; what a path asks for in less
+takes a cart hardly off it."""
 COAST_STEP = 0.01  # s
 NO_OTHER_HAND = "no other hand holds: the cart coasts"
 Doing = tuple[str, Phase, bool] | None
@@ -229,9 +231,9 @@ class Regrasps:
 
 def _why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:
     """In words, what of the next `lasting` s is too much for the arms of `planner` at `contacts`; empty if nothing."""
-    times = ahead.time + np.linspace(0.0, lasting, LOOKAHEAD_PLANS)
-    wrenches = [ahead.wrench_b, *(wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())]
-    for wrench in wrenches:
+    times = ahead.time + np.linspace(0.0, lasting, 1 + math.ceil(lasting / LOOKAHEAD_SPACING))
+    later = (wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())
+    for wrench in chain([ahead.wrench_b], later):
         if planner.plan_or_hold(wrench, contacts, ahead.estimate, stop=ahead.stop).status != OPTIMAL:
             force, moment = float(np.hypot(*wrench[:2])), float(wrench[2])
             return f"the others can't bear {force:.0f} N with {moment:.1f} N·m"

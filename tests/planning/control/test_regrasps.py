@@ -27,6 +27,8 @@ CART = cg.CartModel(cg.Inertia(26.0, (0.3, 0.03), 2.4), effects=(DRAG,), wheels=
 BRAKES = PathReference(chain(speed_change(0.8, 0.8), pause(0.6), speed_change(-0.8, 1.0), pause(1.0)))
 CURVES = PathReference(chain(speed_change(0.8, 0.6), turn(1.2, 0.6), turn(-1.2, 0.6), speed_change(-0.8, 0.6)))
 
+SIDES = (("left", 0.2), ("right", -0.2))
+
 
 def arms(rate=np.inf, far=0.1):
     return [
@@ -37,7 +39,7 @@ def arms(rate=np.inf, far=0.1):
             moment_limit=(15.0,) * 3,
             wrench_rate=(rate,) * 6,
         )
-        for name, y in (("left", 0.2), ("right", -0.2))
+        for name, y in SIDES
     ]
 
 
@@ -277,3 +279,17 @@ def test_arms_that_tell_in_turn_are_watched_each():
             controller.observe(cg.Measurement(0.01 * k + 0.001, wrenches={arm: share * step.wrenches[arm]}))
     assert {name for one in idle for name in one} == {"right"}
     assert "right" in idle[35]
+
+
+@pytest.mark.parametrize("begins", [3.0, 3.13, 3.26])
+def test_a_hand_stays_for_a_turn_that_begins_and_ends_on_its_way(begins):
+    """The turn's onset takes 0.6 s, the regrasp 3.2 s; asked again each 0.2 s, the hand would leave between."""
+    bed = cg.CartModel(cg.Inertia(120.0, (0.9, 0.0), 45.0), effects=(DRAG,))
+    limits = {"force_limit": (120, 100, 60), "moment_limit": (15, 15, 15)}
+    held = [cg.Arm(name, [(-0.25, y, 1.0), (1.05, y, 1.0)], **limits) for name, y in SIDES]
+    path = PathReference(chain(speed_change(0.6), pause(begins - 1.2), turn(0.9, 0.3), pause(3.0), speed_change(-0.6)))
+    learner = CartFilter(bed, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))
+    controller = Controller(bed, held, path, contacts=Leaves(held, 0.8), estimator=learner)
+    steps = [tick.step for tick in ticks(controller, bed, path.duration)]
+    assert {step.hands["left"].phase for step in steps} == set(Phase)
+    assert {step.plan.status for step in steps} == {"optimal"}
