@@ -15,12 +15,12 @@ from ..noise import FilterNoise
 from ..prior import Prior
 from .arguments import checked_arguments
 from .online_estimator import OnlineEstimator
-from .regressor.parameter_learner import ParameterLearner
+from .regressor.dead_reckoning import ReckoningLearner
 from .unknown_slope import with_unknown_slope
 
 
 @final
-class RegressorEstimator(OnlineEstimator[ParameterLearner]):
+class RegressorEstimator(OnlineEstimator[ReckoningLearner]):
     """Learns while the cart is pushed, as `CartFilter` does and with its arguments, and what it learns."""
 
     aligns = False
@@ -36,7 +36,7 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
     ) -> None:
         made_of = checked_arguments(cart, arms, noise, prior, yaws)
         with np.errstate(all="ignore"):  # what is told of the noise may be beyond reason
-            super().__init__(made_of, ParameterLearner(*with_unknown_slope(made_of)))
+            super().__init__(made_of, ReckoningLearner(*with_unknown_slope(made_of)))
 
     @property
     def belief(self) -> Gaussian:
@@ -51,4 +51,4 @@ class RegressorEstimator(OnlineEstimator[ParameterLearner]):
 
     def _core_estimate(self) -> Estimate:
         learner = self._core
-        return learner.estimate(learner.motion, learner.health)
+        return learner.estimate(learner.told_motion, learner.health)
