@@ -20,8 +20,10 @@ from benchmarks.wrong_motion import (
 )
 from estimation import CartFilter
 from estimation.sensor_check.suspicion import Suspicion
-from planning import Caution
+from planning import Caution, Controller, PathReference, chain, straight
 from planning.control.protective_stop import DRIVING, Stage
+
+from .driving import ticks
 
 
 @pytest.mark.long
@@ -116,3 +118,19 @@ def test_what_surely_is_not_the_motion_stops_the_cart():
         for one in kinds
     ]
     assert stages == [Stage.BRAKES, Stage.DRIVES, Stage.DRIVES, Stage.DRIVES]
+
+
+def test_another_path_goes_on_from_a_stop():
+    """As docs/controller.md tells: with the same estimator, which keeps what it has learned."""
+    cart = cg.CartModel(cg.Inertia(24.0, (0.3, 0.0), 2.0))
+    arms = [cg.Arm("left", [(-0.25, 0.2, 1.0)]), cg.Arm("right", [(-0.25, -0.2, 1.0)])]
+    learner, path = CartFilter(cart, ["left", "right"]), PathReference(chain(straight(2.0, 0.5)))
+    first = Controller(cart, arms, path, estimator=learner)
+    stop = [tick.step for tick in ticks(first, cart, 4.0, pose_sb=(1.3, 0.0, 0.0))][-1]
+    assert "stops: the cart is 1.3 m off its path" in stop.words
+    start = stop.estimate.motion.pose_sb
+    path = PathReference(chain(straight(1.0, 0.5)), start_pose=start)
+    on = Controller(stop.estimate.cart(), arms, path, estimator=learner, held=stop.contacts)
+    last = [*ticks(on, cart, path.duration + 0.5, pose_sb=start)][-1]
+    assert on.is_done
+    assert np.abs(last.motion.pose_sb - start - [1.0, 0.0, 0.0]).max() < 0.02
