@@ -3,6 +3,9 @@
 The minimisers of a convex quadratic cost ½ xᵀ H x + fᵀ x over a convex set are those of its points with the same
 H x and fᵀ x: so the second program has these as rows, held at the first's solution, and is a QP as well.
 
+Rows have a little room, which active-set methods need. An interior-point method finds next to no interior there, so
+where it ends without an answer that verifies, they are held exactly: then they are equalities to it.
+
 A proof takes rows for kept that are broken by a share of the wrench asked for, which is in newtons. Rows that state a
 cost, the first's own among them, are in its unit: they are written as many times larger as the wrench is above 1, so a
 share of the wrench is the same share of them.
@@ -21,14 +24,15 @@ from ..quadratic_program import OPTIMAL, QPSolution, QuadraticProgram
 from ..solvers import QuadraticSolver, solve_with_clarabel
 
 FIRST_STAGE_TOLERANCE = 1e-9  # how near to the first's solution its rows are held, of their largest
+LEFT_OPEN = "the second objective is left open: no solver gave an answer for it that verifies"
 CURVATURE_RANK_TOLERANCE = 1e-9  # of the largest eigenvalue: what counts as curved
 
 
 def second_stage(
     solver: QuadraticSolver, program: QuadraticProgram, solution: QPSolution, cost: Cost
 ) -> tuple[QuadraticProgram, QPSolution]:
-    """The program of the second cost and its solution; the first's where no solver finds a better one, or where that
-    is not proven best itself: its values would hold the second to nothing."""
+    """The program of the second cost and its solution; the first's, with a message, where no solver finds one that
+    verifies. The first's is left as it is where it isn't proven best: its values would hold the second to nothing."""
     if solution.status != OPTIMAL:
         return program, solution
     size = solution.residuals.wrench_scale
@@ -50,9 +54,19 @@ def second_stage(
         upper_names=program.upper_names[: n + k] + names + program.upper_names[n + k :],
     )
     found = solver.solve(second)
-    if found.status != OPTIMAL:  # the first's solution is feasible, whatever daqp says of rows so near to each other
+    if found.status != OPTIMAL and not program.cones:  # the first's solution is feasible, whatever daqp says of it
         found = solve_with_clarabel(second)
-    return (second, found) if found.status == OPTIMAL else (program, solution)
+    if found.status != OPTIMAL:
+        second = _held_at(second, values, n + k)
+        found = solve_with_clarabel(second)
+    return (second, found) if found.status == OPTIMAL else (program, replace(solution, message=LEFT_OPEN))
+
+
+def _held_at(program: QuadraticProgram, values: Array, start: int) -> QuadraticProgram:
+    """The program with the limits from `start` on at values (k,), without room."""
+    lower, upper = program.lower.copy(), program.upper.copy()
+    lower[start : start + len(values)] = upper[start : start + len(values)] = values
+    return replace(program, lower=lower, upper=upper)
 
 
 def _best_by(program: QuadraticProgram) -> Array:

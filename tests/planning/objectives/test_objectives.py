@@ -12,6 +12,7 @@ from scipy.optimize import linprog
 
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import rotation_planar
+from cartgrasp.friction import Friction
 from cartgrasp.inertia import Inertia
 from cartgrasp.joint_torques import JointTorques
 from cartgrasp.model import CartModel
@@ -261,6 +262,41 @@ def test_a_second_is_found_for_a_first_that_is_proven_and_for_no_other():
     assert effort(found.x[:-1], None) < 0.999 * effort(proven.x[:-1], None)
     assert np.abs(found.x[:-1] / np.tile([60, 60, 40, 8, 8, 6], 2)).max() == pytest.approx(proven.x[-1], rel=1e-8)
     assert second_stage(QuadraticSolver(), program, unproven, cost) == (program, unproven)
+
+
+@pytest.mark.parametrize(("seed", "count"), [(91, 3), (2354, 4), (2713, 3)])
+def test_a_second_is_found_among_cones_too(seed, count):
+    """An interior point finds no interior between rows 2e-9 apart: the plan had been the first's alone, 4 % and
+    more above the least effort, with nothing said."""
+    rng = np.random.default_rng(seed)
+    wrench = (rng.uniform(5, 70), 0, rng.uniform(-8, 8))
+    places = [(-0.25, 0.2, 1.0), (-0.25, -0.2, 1.0), (0.9, 0.2, 1.0), (0.9, -0.2, 1.0)][:count]
+    arms = [arm(f"arm{i}", [place], friction=Friction(0.6, "exact")) for i, place in enumerate(places)]
+    limits, weights = (np.concatenate([getattr(a, name) for a in arms]) for name in ("wrench_limit", "weights"))
+    first = WorstArm(1.0, Nothing())
+    alone, plan = (
+        WrenchPlanner(cart(), arms, objective=one).plan(wrench)
+        for one in (first, Lexicographic(first, WeightedWrench()))
+    )
+    shares = [np.max(np.abs(np.concatenate(list(p.wrenches.values()))) / limits) for p in (alone, plan)]
+    assert shares[1] == pytest.approx(shares[0], rel=3e-9)
+    F = cvxpy.Variable(6 * count)
+    held = [effective_matrix(cart(), arms, first_contacts(arms)) @ F == np.array([wrench[0], wrench[2]])]
+    held += [cvxpy.abs(F) <= shares[0] * (1 + 1e-6) * limits]
+    held += [cvxpy.norm(F[6 * i + 1 : 6 * i + 3]) <= 0.6 * F[6 * i] for i in range(count)]
+    best = cvxpy.Problem(cvxpy.Minimize(weights @ cvxpy.square(F)), held).solve(solver=cvxpy.CLARABEL)
+    assert plan.effort == pytest.approx(best, rel=1e-4)
+
+
+def test_a_second_that_no_solver_finds_is_told():
+    """Every solver's answer that doesn't verify is none, so here none gives one: a cost of NaN."""
+    template = AllocationTemplate.of(cart(), ARMS, WorstArm(1.0, Nothing()))
+    points = np.array([ARMS[0].contacts.first, ARMS[1].contacts.first])
+    program = template.program(template.contact_rows(points), np.array([40.0, 3.0]), template.cost(np.zeros(12)))
+    proven, cost = QuadraticSolver().solve(program), WeightedWrench().cost(ARMS, np.zeros(12))
+    found = second_stage(QuadraticSolver(), program, proven, replace(cost, gradient=np.full(12, np.nan)))[1]
+    assert found.x is proven.x
+    assert found.message == "the second objective is left open: no solver gave an answer for it that verifies"
 
 
 @pytest.mark.parametrize("limit", [1e-320, 1e-12])
