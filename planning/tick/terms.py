@@ -6,6 +6,7 @@ the bounds about the last wrench; new arms cost their rows.
 
 from __future__ import annotations
 
+import math
 from collections.abc import Callable, Iterable, Mapping, Sequence
 from dataclasses import dataclass, replace
 from functools import cached_property, partial
@@ -248,9 +249,21 @@ def scaled_into(limits: LimitRows, wrenches: Array) -> Array:
     scale = 1.0
     if beyond.any():
         scale = float((np.where(values > 0, high, low)[beyond] / values[beyond]).min(initial=1.0))
-    cones = [cone.offset + cone.rows @ wrenches for cone in limits.cones]
-    outside = any(np.linalg.norm(s[1:]) > s[0] + rounding for s in cones)
-    return np.zeros_like(wrenches) if outside else scale * wrenches
+    for cone in limits.cones:
+        along = cone.rows @ wrenches
+        s = cone.offset + along
+        if np.linalg.norm(s[1:]) > s[0] + rounding:
+            scale = min(scale, _share_within(cone.offset, along))
+    return scale * wrenches
+
+
+def _share_within(offset: Array, along: Array) -> float:
+    """The share t at which `offset + t along` (k,) leaves the second-order cone, which holds the offset: the least
+    positive root of `a t² + 2 b t + c`. Zero where the offset is on the cone's edge."""
+    signs = np.append(1.0, np.full(len(offset) - 1, -1.0))
+    a, b, c = float(signs @ along**2), float(signs @ (offset * along)), max(0.0, float(signs @ offset**2))
+    root = math.sqrt(max(0.0, b * b - a * c))
+    return c / (root - b) if root > b else 0.0
 
 
 def _wheel_forces(estimate: Estimate, basis_b: Array, wrench_b: Array) -> WheelForces:

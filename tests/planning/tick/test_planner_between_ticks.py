@@ -175,6 +175,33 @@ def test_a_wrench_that_new_limits_forbid_is_not_held():
     assert 0 < held[0] <= 10
 
 
+@pytest.mark.parametrize("sides", [8, "exact"])
+def test_what_is_held_is_scaled_into_new_limits_no_more_than_need_be(sides):
+    """A weaker grip that still bears what is held changes nothing; one of half of it is 60 N. From a cone it had been
+    let go of at once, whatever rate the arm states."""
+
+    def pinch(grip):
+        fingers = cg.SoftFinger(0.6, 0.0156, grip, "z", sides)
+        return arm("left", force_limit=(150, 60, 40), friction=None, soft_finger=fingers, wrench_rate=(50,) * 6)
+
+    planner = WrenchPlanner(cart(), [pinch(100.0)], period=0.01)
+    planner.start_from({"left": (100, 0, 0, 0, 0, 0)})
+    for grip, most in ((100.0, 100.0), (90.0, 100.0), (50.0, 60.0)):
+        plan = planner.plan_or_hold((np.nan, 0, 0), arms=[pinch(grip)])
+        held = plan.contact_wrenches.wrenches["left"]
+        assert most - 2.0 < held[0] <= most + 1e-9
+
+
+def test_what_is_held_comes_to_the_edge_of_a_cone():
+    """That of the ellipsoid on the way to (40, 45) N with 0.6 N·m, by its formula."""
+    asked = np.array([40, 45, 0, 0, 0, 0.6])
+    edge = asked * 0.6 * 2 * 50.0 / np.linalg.norm([40, 45, 0.6 / 0.0156])
+    fingers = cg.SoftFinger(0.6, 0.0156, 50.0, "z", "exact")
+    planner = WrenchPlanner(cart(), [arm("left", friction=None, soft_finger=fingers)], period=1e-6)
+    planner.start_from({"left": asked})
+    assert planner.plan_or_hold((np.nan, 0, 0)).held.wrenches["left"] == pytest.approx(edge, rel=1e-4)
+
+
 def test_new_arms_count_even_if_the_wrench_is_refused():
     planner = WrenchPlanner(cart(), pair())
     planner.plan((100, 0, 0))
