@@ -163,12 +163,10 @@ class Terms:
         """The cart's limits for the cart and motion as now estimated."""
         if estimate is self.estimate:
             return
+        cart = read_cart(estimate, self.base.basis_b)  # refused before it is believed
         if not self._cart_limits.limits:
-            if self.base.looks_at_wheels:
-                read_cart(estimate, self.base.basis_b)  # refused before it is believed
             self._believe(estimate)
             return
-        cart = read_cart(estimate, self.base.basis_b)
         covariance = None if self._cart_limits.confidence is None else read_covariance(estimate)
         try:
             with np.errstate(over="ignore", invalid="ignore", divide="ignore"):

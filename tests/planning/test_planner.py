@@ -143,7 +143,8 @@ def test_bad_contacts_are_refused(contacts, why):
 
 def estimate(time, value=20.0, velocity=0.0):
     motion = SimpleNamespace(pose_sb=np.zeros(3), velocity=np.array([velocity, 0.0]))
-    return SimpleNamespace(time=time, motion=motion, parameters={"mass": SimpleNamespace(value=value)})
+    of_cart = {"structure": cart(), "model_parameters": cart().parameters}
+    return SimpleNamespace(time=time, motion=motion, parameters={"mass": SimpleNamespace(value=value)}, **of_cart)
 
 
 def test_estimates_are_checked():

@@ -341,9 +341,11 @@ def test_an_estimate_that_is_no_cart_is_refused():
     assert planner.plan((40, 0, 3)).status == "optimal"
 
 
-def test_an_estimate_that_is_refused_is_not_believed():
-    """Also where only a cost looks at it: the next plan is by the estimate before."""
-    planner = WrenchPlanner(shopping_cart(), pair(), objective=LeastSideForce(2.0))
+@pytest.mark.parametrize("objective", [LeastSideForce(2.0), None])
+def test_an_estimate_that_is_refused_is_not_believed(objective):
+    """Also where only a cost looks at it, or nothing but what plans tell of the wheels: the next plan is by the
+    estimate before. Where nothing did, `wheel_side_force` had raised."""
+    planner = WrenchPlanner(shopping_cart(), pair(), objective=objective)
     before = planner.plan((40, 0, 3))
     casters = cg.CartModel(shopping_cart().inertia, RollingConstraints(None))
     wrong = cg.Estimate(1.0, Motion(np.zeros(3), np.zeros(3)), {}, "", casters, casters.parameters)
