@@ -58,6 +58,7 @@ class LoadShare(Addition):
         if not (shares and abs(sum(shares) - 1) <= 1e-9):
             raise UsageError(f"load share: {dict(self.shares)} are not shares >= 0 that add up to 1")
         number("load share: weight", self.weight, 0.0, MAX_FLOAT)
+        object.__setattr__(self, "shares", dict(self.shares))  # the caller may go on with theirs
 
     def cost(self, arms: Sequence[Arm], previous: Array) -> Cost:
         if {arm.name for arm in arms} != set(self.shares):

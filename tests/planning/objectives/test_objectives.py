@@ -208,6 +208,15 @@ def test_what_is_refused():
         WrenchPlanner(cart(), ARMS, objective=LoadShare({"left": 1.0}))
 
 
+def test_shares_stay_as_they_were_given():
+    """They had been the caller's own mapping: a plan was by numbers that nobody had looked at."""
+    mine = {"left": 0.7, "right": 0.3}
+    objective = LoadShare(mine, weight=1e6)
+    mine["left"] = 0.1
+    assert WrenchPlanner(cart(), ARMS, objective=objective).plan((30, 0, 0)).status == "optimal"
+    assert objective.shares == {"left": 0.7, "right": 0.3}
+
+
 def test_the_least_worst_share_is_that_of_a_linear_program():
     """Alone, WorstArm is a minimax: HiGHS finds the same share by minimising t."""
     arms = [arm("left", force_limit=(30, 60, 40), friction=None), arm("right", [(-0.25, -0.2, 1.0)], friction=None)]
