@@ -15,6 +15,7 @@ from ..objectives.objective import Addition
 from ..planner import MAX_PERIOD
 from .class_entries import classes_in, entry_of
 from .values import (
+    Angle,
     LimitTriple,
     LimitValue,
     NotNegative,
@@ -22,6 +23,7 @@ from .values import (
     RateTriple,
     SwitchingCostValue,
     Triple,
+    WeightValue,
     WrenchValue,
 )
 
@@ -101,11 +103,11 @@ class ArmEntry(StrictModel):
     name: str
     contacts: list[Triple] = Field(default_factory=list)
     segment: Annotated[list[Triple], Field(min_length=2, max_length=2)] | None = None
-    yaw: float = 0.0
+    yaw: Angle = 0.0
     limits: LimitsEntry = LimitsEntry()
     friction: FrictionEntry | None = None
     soft_finger: SoftFingerEntry | None = None
-    weights: list[NotNegative] = Field(default_factory=lambda: [*DEFAULT_WEIGHTS], min_length=6, max_length=6)
+    weights: list[WeightValue] = Field(default_factory=lambda: [*DEFAULT_WEIGHTS], min_length=6, max_length=6)
     push_only: bool = False
     payload: LimitValue | None = None
     rate: RateEntry | None = None

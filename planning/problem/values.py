@@ -6,7 +6,8 @@ from typing import Annotated
 
 from pydantic import AfterValidator, Field
 
-from cartgrasp.checks import MAX_NUMBER
+from cartgrasp.checks import MAX_NUMBER, angle
+from cartgrasp.errors import UsageError
 
 from ..contacts.switching_cost import MAX_SWITCHING_COST
 from ..tick.plan_inputs import MAX_WRENCH
@@ -30,6 +31,17 @@ def _positive(value: float) -> float:
     return value
 
 
+def _rate(value: float) -> float:
+    return _positive(value) if value <= MAX_NUMBER else float("inf")  # beyond it limits nothing
+
+
+def _angle(value: float) -> float:
+    try:
+        return angle("", value)
+    except UsageError as error:
+        raise ValueError(str(error).removeprefix(": ")) from error
+
+
 def _switching_cost(value: float) -> float:
     if value > MAX_SWITCHING_COST:
         raise ValueError(f"{value:g} is beyond {MAX_SWITCHING_COST:g}")
@@ -43,4 +55,6 @@ Triple = Annotated[list[float], Field(min_length=3, max_length=3)]
 LimitTriple = Annotated[list[LimitValue], Field(min_length=3, max_length=3)]
 SwitchingCostValue = Annotated[float, AfterValidator(_switching_cost)]
 WrenchValue = Annotated[float, Field(ge=-MAX_WRENCH, le=MAX_WRENCH)]
-RateTriple = Annotated[list[Positive], Field(min_length=3, max_length=3)]
+RateTriple = Annotated[list[Annotated[float, AfterValidator(_rate)]], Field(min_length=3, max_length=3)]
+Angle = Annotated[float, AfterValidator(_angle)]
+WeightValue = Annotated[NotNegative, Field(le=MAX_NUMBER)]

@@ -118,6 +118,8 @@ def test_a_cart_within_the_file(tmp_path):
         ("weights: [1, 1", "weights: [1, -1", "9:18: arms.0.weights.1", "-1 is negative"),
         ("weights: [1, 1, 1, ", "weights: [1, 1, ", "9:5: arms.0.weights", "at least 6"),
         ("yaw: 0.1", "yaw: .nan", "6:5: arms.0.yaw", "nan is not a finite number"),
+        ("yaw: 0.1", "yaw: 90", "6:5: arms.0.yaw", "90 degrees are 1.571 rad"),
+        ("weights: [1, 1", "weights: [1, 1e13", "9:18: arms.0.weights.1", "is not <= 1000000000000"),
         ("yaw: 0.1", "yaw: north", "6:5: arms.0.yaw", "'north' is not a number"),
         ("yaw: 0.1", "jaw: 0.1", "6:5: arms.0.jaw", "unknown key; did you mean yaw?"),
         ("min_hand_distance: 0.1", "min_hand_distance: -1", "13:1: min_hand_distance", "-1 is negative"),
@@ -136,6 +138,12 @@ def test_a_mistake_has_a_place(tmp_path, old, new, place, why):
     with pytest.raises(FileError, match=re.escape(why)) as caught:
         read_problem(path)
     assert str(caught.value).startswith(f"{path}:{place}: ")
+
+
+def test_a_rate_beyond_all_bounds_limits_nothing(tmp_path):
+    """As a box beyond them does; it had been refused, at the arm's name."""
+    text = PROBLEM.replace("yaw: 0.1", "yaw: 0.1\n    rate: {force: [100, 1e300, 1e300]}", 1)
+    assert read_problem(problem_file(tmp_path, text)).arms[0].wrench_rate == (100, *[np.inf] * 5)
 
 
 def test_what_is_held_and_what_it_costs_to_leave_it(tmp_path):
