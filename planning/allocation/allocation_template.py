@@ -35,6 +35,7 @@ from cartgrasp.model import CartModel
 
 from ..limits import CartLimit, CartRows, LimitRows, PushedCart, cart_rows, joined, limits_of
 from ..objectives import Cost, Lexicographic, Objective, WeightedWrench
+from ..objectives.cost_checks import check_costs
 from ..quadratic_program import QuadraticProgram
 
 PLANAR_NAMES = ("fx", "fy", "tau")
@@ -53,6 +54,7 @@ class AllocationTemplate:
     cart_rows: CartRows
 
     def __post_init__(self) -> None:
+        check_costs(self.objective, self.arms)
         _ = self._first_cost  # raises what the objective has against these arms
         if isinstance(self.objective, Lexicographic):
             self.second_cost(np.zeros(self.n))
