@@ -117,6 +117,8 @@ def user_rows(limit: UserLimit, arm: Arm) -> LimitRows:
         values = np.asarray(getattr(rows, part))
         if values.shape != shape or values.dtype.kind not in "fiu" or np.isnan(values).any():
             raise UsageError(f"{where}: {part}: {values.tolist()} is not {shape} numbers; give N and N·m")
+    if not np.isfinite(rows.rows).all():
+        raise UsageError(f"{where}: rows: {np.asarray(rows.rows).tolist()} has a number that is not finite")
     for part, count in {"lower_names": 6, "upper_names": 6, "names": k, "low_names": k}.items():
         names = getattr(rows, part)
         if len(names) != count or not all(names):

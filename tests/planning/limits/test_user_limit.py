@@ -94,6 +94,7 @@ def test_a_cone_with_a_fixed_axis_is_told_with_its_bound():
         (replace(GOOD, names=("a", "b")), r"names: \['a', 'b'\] are not 1 names"),
         (replace(GOOD, names=("",)), "name each"),
         (replace(GOOD, rows=np.zeros((1, 3))), r"rows: .* is not \(1, 6\) numbers"),
+        (replace(GOOD, rows=np.full((1, 6), np.inf)), "rows: .* has a number that is not finite"),
         (replace(GOOD, limits=np.array([np.nan])), r"limits: \[nan\] is not \(1,\) numbers"),
         (replace(GOOD, limits=np.array([-1.0])), "leaves out the wrench 0"),
         (replace(GOOD, lower=np.full(6, 1.0)), "leaves out the wrench 0"),
