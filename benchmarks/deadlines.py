@@ -102,7 +102,7 @@ def _planning(force: float, *places: tuple[float, float, float], **given: float)
 def _stale() -> Ticks:
     planner = WrenchPlanner(CART, [Arm("hand", [(-0.25, 0.1, 1.0)])])
     planner.warm_up()
-    now = Estimate(10.0, Motion(np.zeros(3), np.zeros(3)), {}, "", CART, CART.parameters)
+    now = Estimate(10.0, Motion(np.zeros(3), np.zeros(CART.constraints.n_free)), {}, "", CART, CART.parameters)
     planner.plan_or_hold((20.0, 0.0, 0.0), estimate=now)
     return itertools.repeat(lambda: planner.plan_or_hold((20.0, 0.0, 0.0), estimate=now._replace(time=1.0)).status)
 
