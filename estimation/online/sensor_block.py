@@ -8,7 +8,7 @@ from typing import Any, NamedTuple, TypeVar
 
 import numpy as np
 
-from cartgrasp.frames import Array
+from cartgrasp.frames import Array, wrap_angle
 from cartgrasp.motion import Measurement
 
 HEADING_FACTORS = (1.0, math.pi / 180, -1.0)
@@ -85,7 +85,7 @@ def poses_jump(first: SensorBlock, last: SensorBlock) -> bool:
     time, x, y, turn = np.diff(rows, axis=0).T
     if len(time) < MIN_JUMP_STEPS:
         return False
-    for way in (np.hypot(x, y), np.abs((turn + math.pi) % FULL_TURN - math.pi)):
+    for way in (np.hypot(x, y), np.abs(wrap_angle(turn))):
         order = np.argsort(way)
         longest, others = order[-1], order[:-2]
         gone, lasting = float(way[others].sum()), float(time[others].sum())

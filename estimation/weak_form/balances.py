@@ -165,8 +165,7 @@ class Balances:
     @property
     def sample_step(self) -> float:
         """Usual step (s) of the samples of wrenches, of the arm whose come least often; of rows without an arm."""
-        steps = [usual_step(self.log.time[np.isfinite(a.wrench).all(axis=1)]) for a in self.log.arms.values()]
-        return max(steps, default=0.0) or usual_step(self.log.time)
+        return max(_wrench_steps(self.log), default=0.0) or usual_step(self.log.time)
 
     def timing(self, cart: CartModel) -> Array:
         """What the residual (k, c) lacks for each second that wrenches are late."""
@@ -336,11 +335,15 @@ class Balances:
         return self.integrals.by_parts(aside)[..., None]
 
 
+def _wrench_steps(log: RunLog) -> list[float]:
+    """Usual step (s) of the samples of each arm's wrenches."""
+    return [usual_step(log.time[np.isfinite(arm.wrench).all(axis=1)]) for arm in log.arms.values()]
+
+
 def wrench_densities(log: RunLog, told: FilterNoise | None, averaged: Sequence[float] | None = None) -> Array:
     """Roots of the densities (arms, 6) of the wrenches' noise (N/√Hz, N·m/√Hz), by means over blocks (s)."""
     if told is not None:
-        steps = [usual_step(log.time[np.isfinite(arm.wrench).all(axis=1)]) for arm in log.arms.values()]
-        return np.asarray(np.sqrt(np.outer(steps, np.diagonal(told.wrench_covariance)))).reshape(-1, 6)
+        return np.asarray(np.sqrt(np.outer(_wrench_steps(log), np.diagonal(told.wrench_covariance)))).reshape(-1, 6)
     arms = [[noise_density(log.time, axis, averaged) for axis in arm.wrench.T] for arm in log.arms.values()]
     return np.array(arms).reshape(-1, 6)
 

@@ -31,10 +31,9 @@ class MotionNoise:
     @classmethod
     def of(cls, log: RunLog) -> MotionNoise:
         position, heading = pose_noise(log.pose)
-        pose = np.array([position, position, heading])
+        pose, (pose_step, step) = np.array([position, position, heading]), _steps(log)
         if log.velocity is None or len(log) < 2 or not np.isfinite(log.velocity).any():
-            return cls(pose, None, *_steps(log))
-        pose_step, step = _steps(log)
+            return cls(pose, None, pose_step, step)
         forward, left, yaw = (noise_density(log.time, column) / max(step, 1e-12) ** 0.5 for column in log.velocity.T)
         linear = max(forward, left, MIN_VELOCITY_NOISE)
         return cls(pose, np.array([linear, linear, max(yaw, MIN_VELOCITY_NOISE)]), pose_step, step)

@@ -5,6 +5,7 @@ from __future__ import annotations
 from collections.abc import Callable, Iterator
 from dataclasses import replace
 from functools import wraps
+from typing import NamedTuple
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -61,8 +62,10 @@ def held_out_rollouts(model: Model) -> Rollouts:
 def left_open_rollouts(model: Model) -> Rollouts:
     """How far rollouts of each stretch go from those of the cart that was fitted to the others, by what these leave
     open of it: carts are drawn of that."""
-    generator, carts, found = np.random.default_rng(0), fold_carts(model), list[Rollouts]()
-    others = [[_without(model, fold, generator) for _ in range(CART_DRAWS)] for fold in range(HELD_OUT_FOLDS)]
+    generator, found = np.random.default_rng(0), list[Rollouts]()
+    fits = [_fit_without(model, fold) for fold in range(HELD_OUT_FOLDS)]
+    carts = [_cart_after(model, fit.step) for fit in fits]
+    others = [[_cart_after(model, fit.drawn(generator)) for _ in range(CART_DRAWS)] for fit in fits]
     for balances, k, first in fold_starts(model):
         found += rollouts_beside(balances, carts[k], others[k], first)
     return joined(found)
@@ -70,7 +73,7 @@ def left_open_rollouts(model: Model) -> Rollouts:
 
 def fold_carts(model: Model) -> list[CartModel]:
     """The cart as it is fitted without each fold."""
-    return [_without(model, fold) for fold in range(HELD_OUT_FOLDS)]
+    return [_cart_after(model, _fit_without(model, fold).step) for fold in range(HELD_OUT_FOLDS)]
 
 
 def fold_starts(model: Model) -> Iterator[tuple[Balances, int, np.ndarray]]:
@@ -101,10 +104,23 @@ def floor_rollouts(model: Model) -> Rollouts:
     return joined([noise_rollouts(b, model.cart, fast_noise(b, whole), generator, NOISE_DRAWS) for b in model.logs])
 
 
-def _without(model: Model, fold: int, draws: np.random.Generator | None = None) -> CartModel:
-    """The model's cart, with its laws, as the stretches of other folds teach it; what happens once stays as it is. Of
-    `draws`, one that they leave as likely."""
-    z, q, free = coordinates(model.cart), len(model.prior_std), np.flatnonzero(model.prior.free)
+class _FoldFit(NamedTuple):
+    """Step (q,) from a model to what the stretches of other folds teach, with the covariance of its `own` parameters:
+    what happens once stays as it is."""
+
+    step: Array
+    own: np.ndarray
+    covariance: Array
+
+    def drawn(self, generator: np.random.Generator) -> Array:
+        """A step (q,) that these stretches leave as likely."""
+        step = self.step.copy()
+        step[self.own] += np.linalg.cholesky(self.covariance) @ generator.standard_normal(len(self.own))
+        return step
+
+
+def _fit_without(model: Model, fold: int) -> _FoldFit:
+    q, free = len(model.prior_std), np.flatnonzero(model.prior.free)
     kept = model.sums[:, model.folds.stretches % HELD_OUT_FOLDS != fold].sum(axis=1)
     joint = np.tensordot(model.score.scale**-2.0, kept, (0, 0))
     information, here = joint[:q, :q] + np.diag(model.prior_std**-2.0), np.zeros(q)
@@ -113,16 +129,20 @@ def _without(model: Model, fold: int, draws: np.random.Generator | None = None) 
     step, covariance = np.zeros(q), np.linalg.inv(information[np.ix_(own, own)])
     step[own] = covariance @ (joint[:q, q] - information @ here)[own]
     if model.prior.free[0] and (known := _bands_without(model, fold)):  # what is told is what has to hold
-        mass = float(z[0] + step[0])
+        mass = float(coordinates(model.cart)[0] + step[0])
         told, std = reported_mass(mass, float(covariance[0, 0] ** 0.5), known)
         more = float(np.clip(told - mass, -MAX_LOG_INERTIA_CHANGE, MAX_LOG_INERTIA_CHANGE))
         along = covariance[:, 0] / covariance[0, 0]
         step[own] += along * more
         covariance = covariance + np.outer(along, along) * max(std**2 - covariance[0, 0], 0.0)
-    if draws is not None:
-        step[own] += np.linalg.cholesky(covariance) @ draws.standard_normal(len(own))
+    return _FoldFit(step, own, covariance)
+
+
+def _cart_after(model: Model, step: Array) -> CartModel:
+    """The model's cart, with its laws, after a step (q,), which is shortened if it is no linear matter any more."""
+    z, free = coordinates(model.cart), np.flatnonzero(model.prior.free)
     far = np.abs(step[: len(free)])[free < N_PHI].max(initial=0.0)
-    step /= max(far / MAX_LOG_INERTIA_CHANGE, 1.0)
+    step = step / max(far / MAX_LOG_INERTIA_CHANGE, 1.0)
     z[free] += step[: len(free)]
     cart = with_coordinates(model.cart, z)
     sizes = zip(model.cart.constraint_effects, step[len(free) :], strict=False)

@@ -96,9 +96,9 @@ class UnmodelledNoise(NamedTuple):
     by_mass: Indices
 
 
-RowInputs = tuple[Array, float, Array, Array, Array]
+RowInputs = tuple[Array, float, Array, Array]
 """Wrenches as `measured_wrench.py` has them, (n - 1, width), and how long after their moments they were recorded (s);
-parameters (p,), their covariance (p, p), and a root of it (p, q)."""
+parameters (p,), and a root of their covariance (p, q)."""
 
 
 class FilteredRow(NamedTuple):
@@ -229,7 +229,7 @@ def row(
     """The filtered row, from what was found where `begun` asked for it."""
     n, f = block.velocity.shape
     by, p, still = found.by_parameters, found.by_parameters.shape[2], 2 * n
-    wrenches, ahead, theta, _, spread = given
+    wrenches, ahead, theta, spread = given
     mass, slopes, by_acceleration = np.empty((f, f)), np.zeros((f, p + 1)), np.empty((f, f, p))
     residual, k, others = np.zeros(f), block.memory.shape[1], len(found.wrench) - 2 * n * block.memory.shape[1]
     for a in range(f):

@@ -99,7 +99,7 @@ class AskedRow(NamedTuple):
         most[N_PHI:] += np.sqrt(np.maximum(np.diagonal(covariance)[N_PHI:], 0.0))
         stuck = np.ascontiguousarray(cart.basis_b.T @ cart.stiction(slow, most, moved.time))
         wrench, by_parameters = (np.concatenate(parts) for parts in zip(*self.answers, strict=True))
-        given = self.block.wrenches, self.block.ahead, theta, covariance, self.spread
+        given = self.block.wrenches, self.block.ahead, theta, self.spread
         found = Found(wrench, by_parameters, stuck)
         return kernels.row(self.block.weights, self.rise, found, moved, given, unmodelled)
 
