@@ -10,8 +10,9 @@ READY_FOR_BENCH := $(VENV)/.set-up-bench
 INSTALL := VENV=$(VENV) .ci/with-progress .ci/install
 PACKAGES := cartgrasp estimation planning
 
-# The matrices are tiny, so threads inside BLAS only cost; and nothing here may open a window.
-ENV := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MPLBACKEND=Agg
+# The matrices are tiny, so threads inside BLAS only cost; nothing here may open a window; and bytecode is kept, since each
+# process would compile all that it imports.
+ENV := OMP_NUM_THREADS=1 OPENBLAS_NUM_THREADS=1 MPLBACKEND=Agg PYTHONDONTWRITEBYTECODE=
 
 # The first of these that is 3.11 or newer makes .venv (`make setup PYTHON=...` names another).
 PYTHON := python3 python3.11 python3.12 python3.13

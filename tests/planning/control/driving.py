@@ -29,8 +29,9 @@ def ticks(
     spoiled=lambda felt, given: (felt, given),
     pose_sb=(0.0, 0.0, 0.0),
 ):
-    """Of a controller that drives a true cart, which stands at `pose_sb`, for so many s; `blind` at some times, with
-    what is felt and given `spoiled`."""
+    """Of a controller, warmed up, that drives a true cart, which stands at `pose_sb`, for so many s; `blind` at some
+    times, with what is felt and given `spoiled`."""
+    controller.warm_up()
     plant = ModelPlant(truth, pose_sb=pose_sb)
     sensors = Sensors(truth, noise or SensorNoise(force=1.0, moment=0.05), seed=seed)
     for _ in range(round(duration / controller.period)):
