@@ -34,9 +34,12 @@ class ArmMonitor:
         """With numbers that are none for wrenches that are too large."""
         if not measurement.wrenches:
             return measurement
-        sizes = {arm: math.hypot(wrench[0], wrench[1], wrench[5]) for arm, wrench in measurement.wrenches.items()}
-        self._sizes.update(sizes)
-        too_large = [arm for arm, size in sizes.items() if size > MAX_WEIGHT_RATIO * self._weight]
+        too_large = []
+        for arm, wrench in measurement.wrenches.items():
+            fx, fy, *_, tz = np.asarray(wrench, dtype=float).tolist()
+            size = self._sizes[arm] = math.hypot(fx, fy, tz)
+            if size > MAX_WEIGHT_RATIO * self._weight:
+                too_large.append(arm)
         if not too_large:
             return measurement
         nothing = dict.fromkeys(too_large, np.full(6, np.nan))
@@ -44,8 +47,11 @@ class ArmMonitor:
 
     def note(self, measurement: Measurement) -> None:
         self._time = max(self._time, measurement.time)
-        self._recorded.update(dict.fromkeys(measurement.wrenches, self._time))
-        self._holding |= {arm for arm, contact in measurement.contacts.items() if is_contact(contact)}
+        for arm in measurement.wrenches:
+            self._recorded[arm] = self._time
+        for arm, contact in measurement.contacts.items():
+            if arm not in self._holding and is_contact(contact):
+                self._holding.add(arm)
 
     @property
     def suspicions(self) -> Iterator[Suspicion]:

@@ -7,7 +7,6 @@ that nothing is learned, ways by velocities are held against those of poses with
 from __future__ import annotations
 
 import math
-from collections.abc import Iterator
 
 import numpy as np
 
@@ -32,22 +31,17 @@ class ClockMonitor:
     """Takes samples in the order in which they come; those that are older than the newest pass unseen."""
 
     def __init__(self) -> None:
-        self._is_apart = False
+        self.is_apart = False
+        """Whether the last sample came too long after the one before for a motion to be followed."""
         self._time = self._seen_at = -math.inf  # of the last sample, and of the last with a pose and a velocity
         self._gap = 0.0
         self._start_anew()
-
-    @property
-    def is_lost(self) -> bool:
-        """Whether the last sample came too long after the one before for a motion to be followed, or stamps seem to be
-        in another unit."""
-        return self._is_apart or any(self.suspicions)
 
     def note(self, measurement: Measurement) -> None:
         gap, time = measurement.time - self._time, measurement.time
         if not gap > 0.0:
             return
-        self._is_apart, self._time = MAX_TRACKING_GAP < gap < math.inf, time
+        self.is_apart, self._time = MAX_TRACKING_GAP < gap < math.inf, time
         if measurement.pose is None or measurement.velocity is None:
             return
         self._gap, self._seen_at = time - self._seen_at, time
@@ -57,18 +51,19 @@ class ClockMonitor:
             self._start_anew()
 
     @property
-    def suspicions(self) -> Iterator[Suspicion]:
+    def suspicions(self) -> tuple[Suspicion, ...]:
         if not self._rivals.rows:
-            return
+            return ()
         odds = np.array([1.0, *[UNIT_ODDS] * (len(TIME_UNITS) - 1)])
         _, *units = probabilities(np.array(self._rivals.evidence), odds).tolist()
-        if sum(units) > REFUSAL_PROBABILITY:
-            unit = list(TIME_UNITS)[1 + units.index(max(units))]
-            words = (
-                f"samples come every {self._gap:.3g} s by their stamps, and poses move as in {self._gap:.3g} {unit}: "
-                f"times seem to be in {unit}, not s"
-            )
-            yield Suspicion("unit", "time", sum(units), TIME_UNITS[unit], words)
+        if not sum(units) > REFUSAL_PROBABILITY:
+            return ()
+        unit = list(TIME_UNITS)[1 + units.index(max(units))]
+        words = (
+            f"samples come every {self._gap:.3g} s by their stamps, and poses move as in {self._gap:.3g} {unit}: "
+            f"times seem to be in {unit}, not s"
+        )
+        return (Suspicion("unit", "time", sum(units), TIME_UNITS[unit], words),)
 
     def _start_anew(self) -> None:
         self._rivals = CompetingExplanations((0.0,) * len(TIME_UNITS))

@@ -61,8 +61,8 @@ class _Sensor:
     def __init__(self) -> None:
         self._time, self._last, self._run = -math.inf, b"", 0
         self._rows = self._again = 0
-        self._used = self._change = np.zeros(len(USED_COMPONENTS))
-        self._turned = np.zeros(len(USED_COMPONENTS))
+        self._used, self._change = [[0.0] * len(USED_COMPONENTS) for _ in range(2)]
+        self._turned = [0] * len(USED_COMPONENTS)
         self.is_frozen = False
         """Whether the last wrench of it was none."""
         self._longest: int | None = None  # run that may be by chance; None: it tells no noise, or is not known
@@ -76,27 +76,33 @@ class _Sensor:
         if self._rows < SENSOR_CALIBRATION_ROWS:
             self._learn(wrench, is_again)
         is_too_long = self._longest is not None and self._run > self._longest
-        self.is_frozen = is_too_long and _pushes(wrench)
+        self.is_frozen = is_too_long and _pushes(_used(wrench))
         return self.is_frozen
 
     def _learn(self, wrench: Array, is_again: bool) -> None:
-        if not _pushes(wrench):
+        used = _used(wrench)
+        if not _pushes(used):
             return
-        used = wrench[USED_COMPONENTS]
-        change = used - self._used
-        self._turned += change * self._change < 0.0
-        self._used, self._change = used, change
+        for i, new in enumerate(used):
+            change = new - self._used[i]
+            self._turned[i] += change * self._change[i] < 0.0
+            self._used[i], self._change[i] = new, change
         self._rows, self._again = self._rows + 1, self._again + is_again
         if (
             self._rows == SENSOR_CALIBRATION_ROWS
-            and self._turned.max() > MIN_REVERSAL_FRACTION * SENSOR_CALIBRATION_ROWS
+            and max(self._turned) > MIN_REVERSAL_FRACTION * SENSOR_CALIBRATION_ROWS
         ):
             self._longest = math.ceil(
                 math.log(FALSE_FREEZE_PROBABILITY) / math.log((self._again + 1) / (SENSOR_CALIBRATION_ROWS + 2))
             )
 
 
-def _pushes(wrench: Array) -> bool:
+def _used(wrench: Array) -> list[float]:
+    numbers = wrench.tolist()
+    return [numbers[i] for i in USED_COMPONENTS]
+
+
+def _pushes(used: list[float]) -> bool:
     """Whether something is told of what pushes."""
-    fx, fy, tz = wrench[USED_COMPONENTS].tolist()
+    fx, fy, tz = used
     return math.isfinite(fx + fy + tz) and (fx != 0.0 or fy != 0.0 or tz != 0.0)

@@ -95,13 +95,14 @@ class OnlineEstimator(ABC, Generic[C]):
     @property
     def estimate(self) -> Estimate:
         found, offset = without_slope(self._core_estimate(), self.cart), self._samples.clock_offset
-        if self._clock_monitor.is_lost:
+        of_clock = self._clock_monitor.suspicions
+        if of_clock or self._clock_monitor.is_apart:
             found = found._replace(health=Health.STALE)
-        suspicions = (*self._clock_monitor.suspicions, *self._sensor_monitor.suspicions)
+        suspicions = of_clock + self._sensor_monitor.suspicions
         if found.health == Health.NO_WRENCH:
             suspicions = (*suspicions, *self._arm_monitor.suspicions, *self._frozen_wrenches.suspicions)
         if found.health != Health.INCONSISTENT:  # under a model that does not fit, nobody knows what is noise
-            suspicions = (*suspicions, *self._samples.state.wrench_noise_scale.suspicions)
+            suspicions += self._samples.state.wrench_noise_scale.suspicions
         if suspicions:
             found = qualified(found, suspicions)
         return found._replace(time=found.time - offset) if offset else found

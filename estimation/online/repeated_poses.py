@@ -33,10 +33,8 @@ class RepeatedPoses:
         this sample."""
         if measurement.pose is None or not measurement.time > self._time:
             return measurement
-        pose, velocity = (
-            b"" if one is None else np.asarray(one, dtype=float).tobytes()
-            for one in (measurement.pose, measurement.velocity)
-        )
+        pose = np.asarray(measurement.pose, dtype=float).tobytes()
+        velocity = b"" if measurement.velocity is None else np.asarray(measurement.velocity, dtype=float).tobytes()
         is_again, is_same = pose == self._pose, velocity == self._velocity
         self._pose, self._velocity, self._time = pose, velocity, measurement.time
         if not (is_again or self._at_rest < REST_CALIBRATION_POSES):
@@ -57,4 +55,5 @@ class RepeatedPoses:
 
 
 def _moves(motion: Motion) -> bool:
-    return any(abs(speed) > MIN_MOVING_SPEED for speed in motion.velocity.tolist())
+    speeds: list[float] = np.abs(motion.velocity).tolist()
+    return max(speeds) > MIN_MOVING_SPEED

@@ -30,7 +30,7 @@ class RepeatedVelocities:
     def __init__(self) -> None:
         self._velocity, self._time = b"", -math.inf
         self._seen = self._again = 0
-        self._began: tuple[float, Array] | None = None  # the first pose since it is the same
+        self._began: tuple[float, ArrayLike] | None = None  # the first pose since it is the same
 
     def without_repeats(self, measurement: Measurement) -> Measurement:
         """Without a velocity that is none."""
@@ -42,7 +42,7 @@ class RepeatedVelocities:
         if self._seen < CALIBRATION_VELOCITIES:
             self._seen, self._again = self._seen + 1, self._again + is_again
         if not is_again:
-            self._began = None if measurement.pose is None else (self._time, usable(measurement.pose))
+            self._began = None if measurement.pose is None else (self._time, measurement.pose)
             return measurement
         if self._tells_noise or (
             measurement.pose is not None and self._goes_elsewhere(measurement.pose, usable(velocity))
@@ -58,12 +58,11 @@ class RepeatedVelocities:
 
     def _goes_elsewhere(self, pose: ArrayLike, velocity: Array) -> bool:
         """Whether a pose is elsewhere than the velocity says that came since the first one."""
-        there = usable(pose)
-        if self._began is None or not np.isfinite(self._began[1]).all():
-            self._began = self._time, there
+        if self._began is None or not np.isfinite(usable(self._began[1])).all():
+            self._began = self._time, pose
             return False
         since, first = self._began
-        off = there - first - (self._time - since) * velocity
+        off = usable(pose) - usable(first) - (self._time - since) * velocity
         if not np.isfinite(off).all():
             return False
         return bool(math.hypot(off[0], off[1]) > MAX_WAY_ERROR or abs(wrapped(off[2])) > MAX_WAY_ERROR)

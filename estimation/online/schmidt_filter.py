@@ -42,7 +42,6 @@ class SchmidtFilter:
         self._plan = np.array([n, k, m, len(cart.parameters), len(free), most, *free], np.int64)
         self._block = new_block(self._plan)
         self._now: Considered | None = None
-        self._motion_views = self._block[:3], self._block[self._nu], self._block[cart.memory_slice]
         self.time, self.said = math.nan, 0  # of the last sample, and what it says of the sensors
         self._theta = self.now.theta[:] = cart.parameters
         self.now.health[:] = empty_health_table()
@@ -82,7 +81,6 @@ class SchmidtFilter:
     def copy(self) -> Self:
         other = shallow_copy(self)
         other._block, other._now = self._block.copy(), None
-        other._motion_views = other._block[:3], other._block[self._nu], other._block[self.cart.memory_slice]
         return other
 
     def scale_noise(self, noise_factors: Array) -> None:
@@ -109,8 +107,8 @@ class SchmidtFilter:
 
     @property
     def motion(self) -> Motion:
-        pose, nu, memory = self._motion_views
-        return Motion(pose.copy(), nu.copy(), memory.copy())
+        mean = self._block[: self._plan[0]].copy()
+        return Motion(mean[:3], mean[self._nu], mean[self.cart.memory_slice])
 
     def believe(self, theta: Array, covariance: Array) -> None:
         """Parameters (p,) and their covariance (p, p) are now believed to be others."""

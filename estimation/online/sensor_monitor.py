@@ -120,8 +120,9 @@ class SensorMonitor:
     def _looks(self, samples: Sequence[Measurement]) -> Iterator[None]:
         """Looks at a block of samples, in pieces."""
         for measurement in samples:
-            told = measurement.contacts.items()
-            self._contacts.update({arm: contact for arm, contact in told if is_contact(contact)})
+            for arm, contact in measurement.contacts.items():
+                if is_contact(contact):
+                    self._contacts[arm] = contact
         moved = poses_of(samples)
         if moved is None:
             self._blocks = ()
