@@ -49,6 +49,8 @@ class DisturbanceLevel:
     @property
     def mean_density(self) -> float:
         """N²s, in the mean over all."""
+        if len(self.densities) == 1:
+            return self.highest
         likely = np.exp(self.log_likelihoods - self.log_likelihoods.max())
         return float(likely @ self.densities / likely.sum())
 

@@ -11,6 +11,7 @@ from __future__ import annotations
 import math
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from functools import cached_property
 from typing import NamedTuple
 
 import numpy as np
@@ -18,7 +19,7 @@ import numpy as np
 from cartgrasp.frames import Array
 
 from ..kernels.row_algebra import FilteredRow
-from .regression_belief import Innovation, RegressionBelief, mixture
+from .regression_belief import Innovation, RegressionBelief, Unlinked, mixture
 
 DECISION_NATS = math.log(1000.0)
 """The log odds beyond which only one of the beliefs is left."""
@@ -120,18 +121,18 @@ class LoadHypotheses:
             without=self.without + 1,
         )
 
-    @property
+    @cached_property
     def _odds(self) -> Array:
         """Logarithms (1 + c,) of a push and of the changes, against a push."""
         return np.array([0.0, *(one.odds for one in self.changed)])
 
-    @property
+    @cached_property
     def _shares(self) -> Array:
         """The probabilities of the beliefs (1 + c,)."""
         odds = self._odds
         return np.asarray(np.exp(odds - np.logaddexp.reduce(odds)))
 
-    @property
+    @cached_property
     def _sure(self) -> int | None:
         """Which of them is left: 0 for a push; None while rows have not told."""
         odds = self._odds
@@ -196,12 +197,11 @@ class LoadHypotheses:
     @property
     def belief(self) -> RegressionBelief:
         """The one that is left, or all as one; another each time, which may be changed."""
-        beliefs = self._beliefs
         if self.is_endless:
-            return mixture(beliefs, np.full(len(beliefs), 1.0 / len(beliefs)), 0)
+            return mixture(self._unlinked, np.full(len(self._beliefs), 1.0 / len(self._beliefs)), 0)
         if self._sure is not None:
-            return beliefs[self._sure].copy()
-        return mixture(beliefs, self._shares, self._likeliest_unloaded)
+            return self._beliefs[self._sure].copy()
+        return mixture(self._unlinked, self._shares, self._likeliest_unloaded)
 
     @property
     def not_excluded(self) -> RegressionBelief | None:
@@ -211,7 +211,7 @@ class LoadHypotheses:
             return None
         odds = self._odds
         alike = np.where(odds > odds.max() - DECISION_NATS, 1.0, 0.0)
-        return mixture(self._beliefs, alike / alike.sum(), self._likeliest_unloaded)
+        return mixture(self._unlinked, alike / alike.sum(), self._likeliest_unloaded)
 
     @property
     def if_loaded(self) -> RegressionBelief:
@@ -221,6 +221,10 @@ class LoadHypotheses:
     @property
     def _beliefs(self) -> list[RegressionBelief]:
         return [self.pushed.belief, *(one.belief for one in self.changed)]
+
+    @cached_property
+    def _unlinked(self) -> list[Unlinked]:
+        return [Unlinked.of(one) for one in self._beliefs]
 
     @property
     def _likeliest_unloaded(self) -> int:

@@ -145,7 +145,8 @@ class MotionTracker:
         late = min(max(late, rows[0, 0] - time[0]), time[-1] - time[k - 1])
         halfway = (rows[:-1, 0] + rows[1:, 0]) / 2
         found = rows[np.searchsorted(halfway, time[:k] + late), 1:]
-        return found, float(np.average(found[:, 0] - here[:k, 1], weights=np.diff(time[: k + 1])))
+        lasting = time[1 : k + 1] - time[:k]
+        return found, float(((found[:, 0] - here[:k, 1]) * lasting).sum() / lasting.sum())
 
     def copy(self) -> Self:
         other = shallow_copy(self)

@@ -162,19 +162,29 @@ def _given(information: Array, mean: Array, k: int) -> tuple[tuple[Array, Array]
     return (information, information @ mean), noise
 
 
-def mixture(beliefs: Sequence[RegressionBelief], shares: Array, told: int) -> RegressionBelief:
-    """The mixture of several beliefs with shares: the mean of the one that is `told`, and the spread of all about it;
-    without a link."""
-    found = [one.copy() for one in beliefs]
-    for one in found:
-        one.drop_link()
-    each = [one.solved for one in found]
-    mean = each[told].mean
-    spread = np.zeros_like(each[0].covariance)
-    for share, own in zip(shares.tolist(), each, strict=True):
+class Unlinked(NamedTuple):
+    """A belief without its link, and what it says of the free parameters and the delay."""
+
+    belief: RegressionBelief
+    solved: Gaussian
+
+    @classmethod
+    def of(cls, belief: RegressionBelief) -> Unlinked:
+        found = belief.copy()
+        found.drop_link()
+        return cls(found, found.solved)
+
+
+def mixture(beliefs: Sequence[Unlinked], shares: Array, told: int) -> RegressionBelief:
+    """The mixture of several beliefs with shares: the mean of the one that is `told`, and the spread of all about
+    it."""
+    mean = beliefs[told].solved.mean
+    spread = np.zeros_like(beliefs[0].solved.covariance)
+    for share, (_, own) in zip(shares.tolist(), beliefs, strict=True):
         spread += share * (own.covariance + np.outer(own.mean - mean, own.mean - mean))
-    found[0].believe(mean, spread)
-    return found[0]
+    found = beliefs[0].belief.copy()
+    found.believe(mean, spread)
+    return found
 
 
 def _inverse(matrix: Array) -> Array:

@@ -25,6 +25,7 @@ NOISE_VARIANCE_FACTORS = 2.0 ** np.arange(7)
 """Times the declared variance: white noise, to a correlation time of 32 samples."""
 DOUBLING_PENALTY_NATS = 10.0
 """Nats for each doubling, beforehand."""
+DOUBLING_PENALTIES = DOUBLING_PENALTY_NATS * np.arange(len(NOISE_VARIANCE_FACTORS))
 NOISE_FORGETTING_FACTOR = 0.998
 """Share that is kept with each row of what older ones told; ten come a second."""
 DIFFERENCE_LAG_ROWS = 3
@@ -70,13 +71,7 @@ class WrenchNoiseScale:
             )
         if not np.isfinite(told).all():
             return replace(self, last=last)
-        return type(self)(
-            told,
-            float(
-                NOISE_VARIANCE_FACTORS[np.argmax(told - DOUBLING_PENALTY_NATS * np.arange(len(NOISE_VARIANCE_FACTORS)))]
-            ),
-            last,
-        )
+        return type(self)(told, float(NOISE_VARIANCE_FACTORS[np.argmax(told - DOUBLING_PENALTIES)]), last)
 
     @property
     def gain(self) -> float:

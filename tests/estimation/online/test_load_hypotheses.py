@@ -29,7 +29,7 @@ from estimation.online.regressor.load_hypotheses import (
 )
 from estimation.online.regressor.load_monitor import LoadMonitor
 from estimation.online.regressor.mass_products import MassProducts
-from estimation.online.regressor.regression_belief import RegressionBelief, mixture
+from estimation.online.regressor.regression_belief import RegressionBelief, Unlinked, mixture
 from estimation.whole_log.replay import replay
 
 FADE, NOISE, USUAL, LOAD = 0.8, 0.09, np.array([[1600.0]]), np.array([[36.0]])
@@ -133,7 +133,10 @@ def test_what_is_not_told_apart_is_as_wide_as_both(told):
     drawn = np.where(
         random.random(200_000) < share, random.normal(26.0, 1.0, 200_000), random.normal(20.0, 0.5, 200_000)
     )
-    found, mean = mixture([one, other], np.array([1.0 - share, share]), told).parameters, (20.0, 26.0)[told]
+    found, mean = (
+        mixture([Unlinked.of(one), Unlinked.of(other)], np.array([1.0 - share, share]), told).parameters,
+        (20.0, 26.0)[told],
+    )
     assert found.mean[0] == pytest.approx(mean, rel=1e-9)
     assert found.covariance[0, 0] == pytest.approx(np.mean((drawn - mean) ** 2), rel=0.01)
 
