@@ -20,7 +20,7 @@ MAX_SAMPLE_DELAY = 0.3
 TIME_TOLERANCE = 1e-9
 """s, of stamps that were meant to be the same."""
 CHECKPOINT_INTERVAL = 0.1
-"""s between states that are kept."""
+"""s between states that are kept; one is kept with the next sample that takes no longer than most."""
 CLOCK_RESET_TIMEOUT = 0.5
 """s: for how long nothing but refused samples come, one after the other, when the clock was set back."""
 
@@ -132,7 +132,7 @@ class LateSamples(Generic[T]):
     def _go_on(self, measurement: Measurement) -> None:
         self.state.take(measurement)
         self._samples.append(measurement)
-        if self.state.time >= self._due:
+        if self.state.time >= self._due and not self.state.took_long:
             self._keep()
 
     def _keep(self) -> None:

@@ -55,7 +55,7 @@ class Diary:
         other.factors = self.factors
         return other
 
-    factors, worked = None, False
+    factors, took_long = None, False
 
     def scale_noise(self, noise_factors):
         self.factors = noise_factors

@@ -19,7 +19,7 @@ class Diary:
     taken: tuple[float, ...] = ()
     time: float = -1.0
     work: list[int] = field(default_factory=lambda: [0])  # shared by copies
-    worked: bool = False
+    took_long: bool = False
 
     def take(self, measurement):
         assert measurement.time >= self.time - 1e-9
@@ -47,6 +47,19 @@ def test_any_order_comes_to_the_same(lateness, period):
     assert list(samples.state.taken) == sorted(taken)
     assert all(stamp >= first for stamp in taken)
     assert len(taken) == sum(stamp >= first for stamp in stamps)
+
+
+def test_no_state_is_kept_with_a_sample_that_takes_long():
+    """What is kept then makes the longest ticks longer still; the next sample is as good."""
+    samples = LateSamples(Diary(took_long=True))
+    samples.take(cg.Measurement(0.0))
+    samples.take(cg.Measurement(0.02))
+    assert not samples.take(cg.Measurement(0.01))
+    samples.state.took_long = False
+    samples.take(cg.Measurement(0.03))
+    samples.take(cg.Measurement(0.05))
+    assert samples.take(cg.Measurement(0.04))
+    assert samples.state.taken == (0.0, 0.02, 0.03, 0.04, 0.05)
 
 
 @pytest.mark.parametrize("late", [1, 5, 20])
