@@ -8,6 +8,8 @@ from __future__ import annotations
 
 import math
 
+import numpy as np
+
 from cartgrasp.frames import Array
 from cartgrasp.motion import Measurement, Motion
 from cartgrasp.simulation.integrate import held
@@ -24,15 +26,17 @@ class ReckoningLearner(ParameterLearner):
     _state: Array | None = None  # (n,), of the cart at the time of the last sample, where nothing was seen then
 
     def take(self, measurement: Measurement) -> None:
-        before, wrench = self.time, self._felt_wrench() if self._started else None
-        if wrench is not None and self._state is None:
-            self._state = self.cart.state(*self.motion[:2])
+        before, last = self.time, (self.motion, self._felt()) if self._started else None
         super().take(measurement)
-        if wrench is None or self._motion_seen_at == self.time:
+        if last is None or self._motion_seen_at == self.time:
             self._state = None
-        elif self._state is not None and (elapsed := self.time - before) > 0.0:
+            return
+        motion, felt = last
+        if self._state is None:
+            self._state = self.cart.state(*motion[:2])
+        if (elapsed := self.time - before) > 0.0:
             steps = max(1, math.ceil(elapsed / MAX_RECKONING_STEP))
-            cart = self.estimate(self.motion, self.health).cart()
+            cart, wrench = self.estimate(self.motion, self.health).cart(), self.cart.planar_wrench(felt)
             self._state = held(cart, self._state, wrench, before, (elapsed / steps, steps))
 
     @property
@@ -42,7 +46,7 @@ class ReckoningLearner(ParameterLearner):
             return self.motion
         return Motion(self._state[:3].copy(), self._state[self.cart.velocity_slice].copy())
 
-    def _felt_wrench(self) -> Array:
-        """The planar wrench (3,) of the arms that goes on from the last sample; 0 where nobody tells one."""
+    def _felt(self) -> Array:
+        """The reduced wrench (f,) of the arms that goes on from the last sample; 0 where nobody tells one."""
         row, f = self.tracker.measured_wrench, self.cart.constraints.n_free
-        return self.cart.planar_wrench(row[1 : 1 + f] if math.isfinite(row[0]) else 0.0 * row[1 : 1 + f])
+        return np.array(row[1 : 1 + f]) if math.isfinite(row[0]) else np.zeros(f)
