@@ -103,7 +103,8 @@ class Estimate(NamedTuple):
     cart it was made for, `model_parameters` (p,) are that model's numbers as now estimated, `covariance` (p, p) is
     theirs (None where an estimator has none). `suspicions` tell of sensors that don't seem to mean what they say: each
     has a `kind`, `where`, a `probability` and `words`. `disturbance` is what pushes beside all that is known, where
-    somebody looks for it; `floor` (4,) are the numbers of an `UnknownSlope`, where that is learned beside the cart."""
+    somebody looks for it; `floor` (4,) are the numbers of an `UnknownSlope`, where that is learned beside the cart, and
+    `covariance_on_floor` (p + 4, p + 4) is that of both."""
 
     time: float
     motion: Motion
@@ -115,6 +116,7 @@ class Estimate(NamedTuple):
     suspicions: tuple[Any, ...] = ()
     disturbance: Disturbance | None = None
     floor: Array | None = None
+    covariance_on_floor: Array | None = None
 
     def __repr__(self) -> str:
         pose, velocity = (digits(part.tolist()) for part in self.motion[:2])

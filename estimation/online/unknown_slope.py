@@ -37,17 +37,13 @@ def without_slope(estimate: Estimate, cart: CartModel) -> Estimate:
     p, covariance = len(cart.parameters), estimate.covariance
     if len(estimate.model_parameters) == p:
         return estimate
-    return Estimate(
-        estimate.time,
-        estimate.motion,
-        LazyParameters(partial(of_cart, estimate.parameters, cart)),
-        estimate.health,
-        cart,
-        estimate.model_parameters[:p],
-        None if covariance is None else covariance[:p, :p],
-        estimate.suspicions,
-        estimate.disturbance,
-        estimate.model_parameters[p:],
+    return estimate._replace(
+        parameters=LazyParameters(partial(of_cart, estimate.parameters, cart)),
+        structure=cart,
+        model_parameters=estimate.model_parameters[:p],
+        covariance=None if covariance is None else covariance[:p, :p],
+        floor=estimate.model_parameters[p:],
+        covariance_on_floor=covariance,
     )
 
 

@@ -113,10 +113,13 @@ class Caution:
 
     def widened(self, estimate: Estimate) -> Estimate:
         """The estimate with a covariance that is as much wider."""
-        times = self.widen.get(estimate.health, 1.0)
-        if times == 1.0 or estimate.covariance is None:
+        times, own, on_floor = self.widen.get(estimate.health, 1.0), estimate.covariance, estimate.covariance_on_floor
+        if times == 1.0:
             return estimate
-        return estimate._replace(covariance=times**2 * estimate.covariance)
+        return estimate._replace(
+            covariance=None if own is None else times**2 * own,
+            covariance_on_floor=None if on_floor is None else times**2 * on_floor,
+        )
 
 
 def behind_of(there: Reference, pose_sb: Array) -> float:

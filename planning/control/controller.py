@@ -334,13 +334,8 @@ class Controller:
         first = self._first
         if first is None or not self._is_misled:
             return estimate
-        return estimate._replace(
-            parameters=first.parameters,
-            model_parameters=first.model_parameters,
-            covariance=first.covariance,
-            disturbance=None,
-            floor=first.floor,
-        )
+        time, motion, health, suspicions = estimate.time, estimate.motion, estimate.health, estimate.suspicions
+        return first._replace(time=time, motion=motion, health=health, suspicions=suspicions, disturbance=None)
 
     def _used_by(self, believed: Estimate) -> Estimate:
         """The estimate of whose cart the tracker thinks."""

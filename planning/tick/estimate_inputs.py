@@ -8,6 +8,7 @@ from typing import TYPE_CHECKING
 
 import numpy as np
 
+from cartgrasp.effects import UnknownSlope
 from cartgrasp.errors import UsageError
 from cartgrasp.frames import Array
 
@@ -19,6 +20,7 @@ if TYPE_CHECKING:
     from cartgrasp.motion import Estimate
 
 MAX_ESTIMATE_AGE = 0.5  # s
+N_SLOPE = len(UnknownSlope.parameters)
 COVARIANCE_TOLERANCE = 1e-6  # of the standard deviations' product
 
 
@@ -40,16 +42,17 @@ def check_estimate(estimate: Estimate, newest: float) -> float:
 
 
 def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
-    """The cart as now estimated; refused unless its free velocities are the planner's, `basis_b` (3, k)."""
+    """The cart as now estimated, on the floor as now estimated; refused unless its free velocities are the planner's,
+    `basis_b` (3, k)."""
     try:
-        structure, numbers = estimate.structure, real_numbers(estimate.model_parameters)
-        size, changed_to = len(structure.parameters), structure.with_parameters
+        structure, numbers, floor = estimate.structure, real_numbers(estimate.model_parameters), _floor(estimate)
+        size, on_floor = len(structure.parameters), structure if floor is None else structure.on_slope
     except AttributeError as error:
         raise _refused(f"it has no cart ({error})") from error
     if numbers is None or numbers.shape != (size,):
         raise _refused(f"model_parameters: {estimate.model_parameters} are not the {size} numbers of its cart")
     try:
-        cart = changed_to(numbers)
+        cart = on_floor.with_parameters(numbers if floor is None else np.append(numbers, floor))
     except UsageError as error:
         raise _refused(str(error)) from error
     if cart.basis_b is not basis_b and not np.array_equal(cart.basis_b, basis_b):
@@ -62,18 +65,30 @@ def read_cart(estimate: Estimate, basis_b: Array) -> CartModel:
 
 
 def read_covariance(estimate: Estimate) -> Array:
-    """That of the model's parameters (p, p); refused unless it is there and is one."""
-    size, covariance = len(estimate.model_parameters), real_numbers(estimate.covariance)
-    if estimate.covariance is None:
-        raise _refused("it has no covariance, which the planner's confidence needs")
+    """That of the numbers of `read_cart` (p, p); refused unless it is there and is one."""
+    floor, size = _floor(estimate), len(estimate.model_parameters)
+    name, size = ("covariance", size) if floor is None else ("covariance_on_floor", size + N_SLOPE)
+    given = getattr(estimate, name)
+    if given is None:
+        raise _refused(f"it has no {name}, which the planner's confidence needs")
+    covariance = real_numbers(given)
     if covariance is None:
-        raise _refused("covariance: it is not a matrix of numbers")
+        raise _refused(f"{name}: it is not a matrix of numbers")
     if covariance.shape != (size, size):
-        raise _refused(f"covariance: shape {covariance.shape} instead of {(size, size)}")
+        raise _refused(f"{name}: shape {covariance.shape} instead of {(size, size)}")
     wrong = _wrong_with(covariance.tobytes(), size)
     if wrong:
-        raise _refused(f"covariance: {wrong}")
+        raise _refused(f"{name}: {wrong}")
     return covariance
+
+
+def _floor(estimate: Estimate) -> Array | None:
+    """The numbers of the floor's slope, where the estimate has any."""
+    floor = getattr(estimate, "floor", None)
+    numbers = real_numbers(floor)
+    if floor is not None and (numbers is None or numbers.shape != (N_SLOPE,)):
+        raise _refused(f"floor: {floor} are not the {N_SLOPE} numbers of an UnknownSlope")
+    return None if floor is None else numbers
 
 
 @lru_cache(maxsize=16)
