@@ -17,6 +17,9 @@ the sensors alone, as a `CartFilter` does, finds it soon. Its word is taken wher
 
 While one of the others tries a load, or has found one that nobody else has, parameters are told as unsure as that one
 is. What is told of the disturbance, and fed forward, comes from a quicker observer than the one that learning hears.
+
+Where nothing is seen of the motion any more, nobody knows what pushes: by then what pushed is forgotten. Else it would
+move the predicted cart for ever, and whoever tracks that would push the real one the other way.
 """
 
 from __future__ import annotations
@@ -85,6 +88,7 @@ class DisturbedLearning:
         self._disturbance: Disturbance | None = None
         self._is_sure, self._is_total_known = False, not arms  # declared ones may push before they tell
         self._total_known_at = math.inf  # s: when all arms' wrenches were known last; inf: never
+        self._seen_at, self._is_unseen = -math.inf, False  # s, when something was seen of the motion; not for too long
         self._acts_since = -math.inf  # when the disturbance set in that acts now, or acted last
         self._acted_until = -math.inf  # when one acted last
         self._disturbed_share = 0.0
@@ -245,11 +249,16 @@ class DisturbedLearning:
             self._observed = start, start
         theta, memory = told.model_parameters, told.motion.memory
         memory = memory if memory is not None else np.zeros(0)
-        moves = bool(np.isfinite(pose).any() or np.isfinite(velocity).any())
+        moves, was_unseen = bool(np.isfinite(pose).any() or np.isfinite(velocity).any()), self._is_unseen
+        self._seen_at = measurement.time if moves else self._seen_at
+        self._is_unseen = measurement.time - self._seen_at > SENSOR_TIMEOUT
         observed = []
         for observer, was in zip((self._observer, self._ahead), self._observed, strict=True):
             now = observer.advanced(was, measurement.time, memory, theta)
             observed.append(observer.seen(now, pose, velocity) if moves else now)
+        if self._is_unseen and not was_unseen:
+            observed = [self._observer.forgotten(one) for one in observed]
+            self._disturbance = self._observer.unknown
         sensed, was_known = None, self._is_total_known
         if measurement.wrenches:
             moving = Moving(observed[0].state(memory), measurement.time)
