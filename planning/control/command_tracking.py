@@ -14,9 +14,11 @@ import numpy as np
 
 from cartgrasp.contacts import ContactWrenches
 from cartgrasp.frames import Array
+from cartgrasp.motion import Measurement
 
 from ..limits import WrenchRate
 from ..limits.wrench_rate import towards
+from .caution import MAX_STEP_GAP
 
 FORGETTING_TIME_CONSTANT = 0.2
 """s."""
@@ -31,12 +33,24 @@ any more."""
 @dataclass(frozen=True)
 class CommandTracking:
     """By arm, exponentially weighted means of commanded · measured and of commanded · commanded force, N², and over how
-    long (s); and the idle arms, with the share of their commands that they give."""
+    long (s); the idle arms, with the share of their commands that they give; and when each told what it gave (s)."""
 
     cross_power: Mapping[str, float] = field(default_factory=dict)
     command_power: Mapping[str, float] = field(default_factory=dict)
     lasting: Mapping[str, float] = field(default_factory=dict)
     idle: Mapping[str, float] = field(default_factory=dict)
+    times: Mapping[str, float] = field(default_factory=dict)
+
+    def heard(self, commanded: Mapping[str, Array], measurement: Measurement) -> CommandTracking:
+        """After what arms tell that they gave of their commands, wrenches (6,) in {a}; they may tell it in samples of
+        their own."""
+        now = self
+        for arm, wrench in measurement.wrenches.items():
+            since = measurement.time - now.times.get(arm, -math.inf)
+            if not -MAX_STEP_GAP <= since <= 0.0:
+                elapsed = min(since, MAX_STEP_GAP) if 0.0 < since < math.inf else 0.0  # none: the clock was set back
+                now = replace(now.after(commanded, {arm: wrench}, elapsed), times={**now.times, arm: measurement.time})
+        return now
 
     def after(self, commanded: Mapping[str, Array], measured: Mapping[str, Array], duration: float) -> CommandTracking:
         """So many s later, in which arms were to give wrenches (6,) in {a}, and gave the measured ones."""
@@ -48,7 +62,7 @@ class CommandTracking:
             cross[arm] = kept * cross.get(arm, 0.0) + (1.0 - kept) * (fx * x + fy * y + fz * z)
             power[arm] = kept * power.get(arm, 0.0) + (1.0 - kept) * (fx * fx + fy * fy + fz * fz)
             lasting[arm] = lasting.get(arm, 0.0) + duration
-        return CommandTracking(cross, power, lasting, self._idle(cross, power))
+        return CommandTracking(cross, power, lasting, self._idle(cross, power), self.times)
 
     def _idle(self, cross_power: Mapping[str, float], command_power: Mapping[str, float]) -> Mapping[str, float]:
         found = {}

@@ -52,7 +52,7 @@ from .step import Step
 LOST_MOTION_HEALTHS = ("stale", "clock_went_back")
 SENSES_LOST_HEALTHS = (*LOST_MOTION_HEALTHS, "no_wrench")
 """Healths under which no hand lets go, and nothing is fed forward."""
-WAITING_FOR_POSE = "waits for a first pose"
+WAITING_FOR_POSE, STOPS, HELD = "waits for a first pose", "stops along its path, as it was told", "stopped"
 MAX_DRIFT = 10.0
 DEFAULT_REGRASP_TIMES, DEFAULT_CHOOSING = RegraspTimes(), Choosing()
 DEFAULT_CAUTION, DEFAULT_REJECTION = Caution(), Rejection()
@@ -138,10 +138,6 @@ class Controller:
         ):
             if given is not None:
                 check_kind(f"controller: {name}", given, kind, f"write {kind.__name__}(), or None")
-        if isinstance(estimator, type):
-            raise UsageError(
-                f"controller: estimator: {estimator.__name__} is a class; write {estimator.__name__}(cart)"
-            )
         self.cart, self.reference, self.period, self.learns = cart, reference, float(period), bool(learn)
         self._arms = listed("controller: arms", arms, Arm, "write [Arm(…)]")
         if planner is None:
@@ -176,7 +172,9 @@ class Controller:
         self._used: Estimate | None = None  # of which the cart was
         self._progress = Progress()
         self._knows_where = False  # once a pose was seen
-        self._command_tracking, self._last_wrench_times = CommandTracking(), dict[str, float]()
+        self._command_tracking = CommandTracking()
+        self.is_stopped = False
+        """Whether it was told to `stop`; it stands once the velocity of `step.reference` is zero."""
 
     def __repr__(self) -> str:
         source, arms = type(self._source).__name__, ", ".join(arm.name for arm in self._arms)
@@ -198,7 +196,8 @@ class Controller:
         believed = self._believed(estimate)
         model = self._used_by(believed).cart_on_floor() if self.learns else self.cart
         wanted = self._wanted(reference, believed, model, progress.stop)
-        chosen = self._source.contacts(ContactQuery(pace.along, wanted, believed, self._held))
+        query = ContactQuery(pace.along, wanted, believed, self._held)
+        chosen = ContactChoice(self._held, HELD) if self.is_stopped and self._held else self._source.contacts(query)
         check_chosen(chosen, self._names)
         told = self._for_planner(believed, progress.steady_time)
         stop = self._braking(believed, model, time)
@@ -230,19 +229,21 @@ class Controller:
             measurement = replace(measurement, contacts={**self._held, **measurement.contacts})
         estimate = self._estimator.update(measurement)
         if self._last is not None:
-            self._track_commands(self._last.wrenches, measurement)
+            self._command_tracking = self._command_tracking.heard(self._last.wrenches, measurement)
         self._first, self._observed = self._first or estimate, estimate
         self._knows_where = self._knows_where or estimate.health != "stale"
         return estimate
 
-    def _track_commands(self, commanded: Mapping[str, Array], measurement: Measurement) -> None:
-        """What each arm gives of its command; they may tell it in samples of their own."""
-        for arm, wrench in measurement.wrenches.items():
-            since = measurement.time - self._last_wrench_times.get(arm, -math.inf)
-            if not -MAX_STEP_GAP <= since <= 0.0:
-                elapsed = min(since, MAX_STEP_GAP) if 0.0 < since < math.inf else 0.0  # none: the clock was set back
-                self._last_wrench_times[arm] = measurement.time
-                self._command_tracking = self._command_tracking.after(commanded, {arm: wrench}, elapsed)
+    def stop(self) -> None:
+        """Until `resume`: the cart comes to rest along its path, by the ramp of `Caution.change`, and is held there. No
+        further hand lets go."""
+        self.is_stopped = True
+        if self._last is None:  # nothing has begun that a ramp would end
+            self._progress = self._progress._replace(pace=Pace(self._progress.pace.along, 0.0))
+
+    def resume(self) -> None:
+        """Goes on along the path from where it stopped, by the same ramp."""
+        self.is_stopped = False
 
     @property
     def is_done(self) -> bool:
@@ -259,7 +260,8 @@ class Controller:
             raise UsageError("controller: there is nothing to save before the first step")
         cart = as_first_guess(self._believed(now)) if self.learns else self.cart
         motion, pace = now.motion if self._knows_where else None, self._progress.pace
-        return Saved(self._progress.time, pace.along, pace.share, cart, last.placed, last.wrenches, motion).save(path)
+        how = pace.along, pace.share, self.is_stopped
+        return Saved(self._progress.time, *how, cart, last.placed, last.wrenches, motion).save(path)
 
     @classmethod
     def restored(
@@ -277,10 +279,10 @@ class Controller:
         controller = cls(saved.cart, arms, reference, **options)
         controller._progress = Progress(saved.time, pace=Pace(saved.along, saved.share))
         controller._held = {name: np.array(hand.point) for name, hand in saved.hands.items()}
+        controller.is_stopped = saved.is_stopped
         if saved.motion is not None and is_new:
             pose, nu = saved.motion[:2]
-            velocity = body_to_world(pose[2]) @ saved.cart.basis_b @ nu
-            controller.observe(Measurement(saved.time, pose, velocity))
+            controller.observe(Measurement(saved.time, pose, body_to_world(pose[2]) @ saved.cart.basis_b @ nu))
         if controller._regrasps is not None:
             controller._regrasps.restart(saved.hands, saved.wrenches)
         elif isinstance(controller._planner, WrenchPlanner):
@@ -300,7 +302,9 @@ class Controller:
         pace, now = before.pace, before.at(time)
         waits = "" if self._knows_where else WAITING_FOR_POSE
         if caution is None:
-            return now._replace(pace=Pace(pace.along + before.elapsed(time, self._longest_gap))), waits
+            elapsed = before.elapsed(time, self._longest_gap)
+            wanted, slowed = (0.0, STOPS) if self.is_stopped else (1.0, waits)
+            return now._replace(pace=pace.after(elapsed, wanted, DEFAULT_CAUTION.change)), slowed
         there = last.reference if last is not None and pace.share > 0.0 else self.reference.at(pace.along)
         if self._knows_where:
             stop = before.stop.after(now.steady_time, self.cart, there, estimate, caution.astray)
@@ -314,6 +318,7 @@ class Controller:
                 health = NO_ARM if self._idle.keys() == self._names else IDLE
             behind = behind_of(there, estimate.motion.pose_sb)
         wanted, slowed = caution.wanted(health, planned, behind) if self._knows_where else (0.0, waits)
+        wanted, slowed = (0.0, STOPS) if self.is_stopped else (wanted, slowed)
         if self._has_margins and (wider := caution.wider(health)):
             slowed = f"{slowed}; {wider}" if slowed else wider
         elapsed = time - before.time if math.isfinite(before.time) else 0.0

@@ -30,6 +30,8 @@ def check_for_cart(reference: ReferencePath, cart: CartModel) -> None:
 
 def check_learns_from(estimator: Estimator, names: frozenset[str], cart: CartModel) -> None:
     """Its arms, where it says which these are, are those that push; so is its cart, which is pushed."""
+    if isinstance(estimator, type):
+        raise UsageError(f"controller: estimator: {estimator.__name__} is a class; write {estimator.__name__}(cart)")
     learned = getattr(estimator, "cart", cart)
     if not np.array_equal(learned.basis_b, cart.basis_b):
         raise UsageError(

@@ -54,6 +54,7 @@ class _SavedEntry(StrictModel):
     time: float
     along: float | None = None
     pace: Annotated[float, Field(ge=0, le=1)] = 1.0
+    stopped: bool = False
     pose: Coordinates | None = None
     velocity: list[float] | None = None
     cart: Any
@@ -62,12 +63,14 @@ class _SavedEntry(StrictModel):
 
 @dataclass(frozen=True, eq=False)
 class Saved:
-    """At `time` (s), so far `along` the reference (s), at a `share` of its speed: the cart, and how sure its numbers
-    are; the hands, and the wrenches (6,) in {a} that they gave; and how the cart moved, where that was known."""
+    """At `time` (s), so far `along` the reference (s), at a `share` of its speed, or told to stop: the cart, and how
+    sure its numbers are; the hands, and the wrenches (6,) in {a} that they gave; and how the cart moved, where that was
+    known."""
 
     time: float
     along: float
     share: float
+    is_stopped: bool
     cart: CartModel
     hands: Mapping[str, Hand]
     wrenches: Mapping[str, Array]
@@ -76,6 +79,7 @@ class Saved:
     def save(self, path: str | os.PathLike[str]) -> Path:
         hands = {name: _entry(hand, self.wrenches[name]) for name, hand in self.hands.items()}
         document: dict[str, Any] = {"time": self.time, "along": self.along, "pace": self.share}
+        document |= {"stopped": True} if self.is_stopped else {}
         if self.motion is not None:
             document |= {"pose": self.motion.pose_sb.tolist(), "velocity": self.motion.velocity.tolist()}
         document |= {"cart": parse_yaml(cart_text(self.cart), "cart"), "hands": hands}
@@ -97,6 +101,7 @@ def read_saved(path: str | os.PathLike[str]) -> Saved:
         time=entry.time,
         along=entry.time if entry.along is None else entry.along,
         share=entry.pace,
+        is_stopped=entry.stopped,
         cart=cart,
         motion=Motion(np.array(entry.pose), np.array(entry.velocity)) if moves else None,
         hands={name: one.hand() for name, one in entry.hands.items()},
