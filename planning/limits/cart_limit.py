@@ -78,6 +78,9 @@ class CartRows:
             raise UsageError(
                 f"{what}: low and high have a number that is none; for no limit, give low -inf and high inf"
             )
+        for i in np.flatnonzero(self.low > self.high)[:1].tolist():
+            low, high = (f"{name} {side[i]:g}" for name, side in (("low", self.low), ("high", self.high)))
+            raise UsageError(f"{what}: row {i}: {low} is above {high}, which no wrench obeys; give low up to high")
         n_plain = self.n_plain
         for name in ("low_names", "high_names"):
             names = getattr(self, name)

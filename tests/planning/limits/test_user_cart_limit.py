@@ -24,6 +24,10 @@ BAD = [
     (None, r"None is no CartRows; return CartRows\(...\)"),
     (replace(GOOD, high=np.array([np.nan])), "low and high have a number that is none; for no limit, give low -inf"),
     (replace(GOOD, low=np.array([np.inf])), "low and high have a number that is none"),
+    (
+        replace(GOOD, high=np.array([-3.0])),
+        "row 0: low -2 is above high -3, which no wrench obeys; give low up to high",
+    ),
     (replace(GOOD, high=[2.0]), r"high is \[2.0\]; for 1 rows and 2 arms give an array \(1,\)"),
     (replace(GOOD, high=np.array(["2"])), r"high is of shape \(1,\)"),
     (replace(GOOD, high=np.zeros(2)), r"high is of shape \(2,\)"),
