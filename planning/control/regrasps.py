@@ -11,7 +11,6 @@ from __future__ import annotations
 import math
 from collections.abc import Collection, Mapping, Sequence
 from dataclasses import replace
-from itertools import chain
 from typing import NamedTuple
 
 import numpy as np
@@ -41,6 +40,8 @@ RETRY_INTERVAL = 0.2  # s until a hand that may not let go is asked again
 LOOKAHEAD_SPACING = 0.1
 """s at most between the times within a regrasp at which the others' plans are made ahead; what a path asks for in less
 takes a cart hardly off it."""
+LOOKS_PER_TICK = 2
+"""How many of these times plans are made at in a tick; each takes as long as a plan."""
 COAST_STEP = 0.01  # s
 NO_OTHER_HAND = "no other hand holds: the cart coasts"
 Doing = tuple[str, Phase, bool] | None
@@ -69,6 +70,14 @@ class Ahead(NamedTuple):
     pace: float = 1.0
 
 
+class LookAhead(NamedTuple):
+    """Up to which time of the path, `until` (s), the others can bear what is asked while a hand goes to a target."""
+
+    name: str
+    target: Point
+    until: float
+
+
 # Many methods: what passes between two ticks, who may leave, and what each arm is told meanwhile.
 class Regrasps:
     """The hands of some arms, from tick to tick, and what they give."""
@@ -92,6 +101,7 @@ class Regrasps:
         self.kept: dict[str, str] = {}
         """Why hands stay that were to go."""
         self._asked: dict[str, tuple[Point, float]] = {}
+        self._look: LookAhead | None = None
         self._idle: frozenset[str] = frozenset()
         self._last: tuple[Doing, Mapping[str, Array]] = (None, {})
 
@@ -128,13 +138,17 @@ class Regrasps:
         self._start_from(self.busy)
 
     def send(self, contacts: Mapping[str, Array], ahead: Ahead, time: float) -> None:
-        """The first hand that is to hold elsewhere, and may, is sent there; `time` (s) goes on where the cart waits."""
+        """The first hand that is to hold elsewhere, and may, is sent there; `time` (s) goes on where the cart waits. To
+        look ahead takes some ticks."""
+        look, self._look = self._look, None
         for name, hand in self.hands.items():
             target = point_of(contacts[name])
             if target == hand.point or hand.phase is not Phase.HOLDS:
                 self.kept.pop(name, None)
-            elif self.busy is None and self._is_due(name, target, time):
-                why = self._why_not(name, target, ahead)
+            elif self._may_ask(name, look) and self._is_due(name, target, time):
+                why = self._why_not(name, target, ahead, look)
+                if why is None:
+                    continue
                 if why:
                     self.kept[name], self._asked[name] = why, (target, time)
                     continue
@@ -201,11 +215,15 @@ class Regrasps:
             held = self._beside(name)
             self._others[name].start_from({other: given[other] for other in held}, held)
 
+    def _may_ask(self, name: str, look: LookAhead | None) -> bool:
+        return self.busy is None and self._look is None and (look is None or look.name == name)
+
     def _is_due(self, name: str, target: Point, time: float) -> bool:
         asked = self._asked.get(name)
         return asked is None or asked[0] != target or time >= asked[1] + RETRY_INTERVAL - 1e-9
 
-    def _why_not(self, name: str, target: Point, ahead: Ahead) -> str:
+    def _why_not(self, name: str, target: Point, ahead: Ahead, look: LookAhead | None) -> str | None:
+        """In words; empty where it may go, None where it is still to look ahead."""
         if why := why_no_posture(self._arms[name], target):
             return why
         if idle := sorted(self._idle - {name}):
@@ -215,10 +233,25 @@ class Regrasps:
                 return f"it would come nearer than {self._apart:g} m to {other}"
         distance = math.dist(self.hands[name].point, target)
         if name in self._others:
-            lasting = self._times.lasting(distance)
-            return _why_others_cannot(self._in_time[name], self._beside(name), ahead, lasting)
+            fresh = LookAhead(name, target, ahead.time - LOOKAHEAD_SPACING)
+            look = fresh if look is None or look.target != target else look
+            return self._why_others_cannot(look, ahead, ahead.time + self._times.lasting(distance))
         lasting = self._times.away(distance) + (self._times.unload + self._times.load) / 2
         return _why_cart_cannot_coast(ahead, lasting, self._drift)
+
+    def _why_others_cannot(self, look: LookAhead, ahead: Ahead, end: float) -> str | None:
+        """In words, what of the path up to its time `end` (s), or now, is too much for the other arms. Empty if
+        nothing is, None where the next tick is to go on."""
+        name = look.name
+        times = np.minimum(look.until + LOOKAHEAD_SPACING * np.arange(1, LOOKS_PER_TICK + 1), end).tolist()
+        wrenches = [wanted_wrench(ahead.reference, ahead.cart, time) for time in times]
+        for wrench in [*wrenches, ahead.wrench_b] if times[-1] >= end else wrenches:
+            plan = self._in_time[name].plan_or_hold(wrench, self._beside(name), ahead.estimate, stop=ahead.stop)
+            if plan.status != OPTIMAL:
+                force, moment = float(np.hypot(*wrench[:2])), float(wrench[2])
+                return f"the others can't bear {force:.0f} N with {moment:.1f} N·m"
+        self._look = look._replace(until=times[-1]) if times[-1] < end else None
+        return "" if self._look is None else None
 
     def _come_too_near(self, name: str, target: Point, other: str) -> bool:
         """Whether a hand does at its target, or on its straight way there, where it isn't so near already."""
@@ -227,17 +260,6 @@ class Regrasps:
         passed = start + way * np.clip(way @ off / (way @ way), 0.0, 1.0)
         on_its_way = math.dist(passed, there) < min(self._apart, math.dist(start, there)) - DISTANCE_TOLERANCE
         return on_its_way or math.dist(target, there) < self._apart - DISTANCE_TOLERANCE
-
-
-def _why_others_cannot(planner: WrenchPlanner, contacts: Mapping[str, Array], ahead: Ahead, lasting: float) -> str:
-    """In words, what of the next `lasting` s is too much for the arms of `planner` at `contacts`; empty if nothing."""
-    times = ahead.time + np.linspace(0.0, lasting, 1 + math.ceil(lasting / LOOKAHEAD_SPACING))
-    later = (wanted_wrench(ahead.reference, ahead.cart, time) for time in times.tolist())
-    for wrench in chain([ahead.wrench_b], later):
-        if planner.plan_or_hold(wrench, contacts, ahead.estimate, stop=ahead.stop).status != OPTIMAL:
-            force, moment = float(np.hypot(*wrench[:2])), float(wrench[2])
-            return f"the others can't bear {force:.0f} N with {moment:.1f} N·m"
-    return ""
 
 
 def _why_cart_cannot_coast(ahead: Ahead, lasting: float, drift: float) -> str:

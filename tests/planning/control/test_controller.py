@@ -198,7 +198,7 @@ def test_hands_that_hold_already_regrasp_first():
     controller = Controller(GUESS, held, PATH, held=second, regrasp=TIMES, estimator=learner())
     told = drive(controller, 2.5)
     assert told[0][0].words == "holds left at (0.10, 0.20): fixed; holds right at (0.10, −0.20): fixed"
-    assert told[5][0].words.startswith("unloads left at (0.10, 0.20), to go to (−0.25, 0.20): fixed; holds right")
+    assert told[10][0].words.startswith("unloads left at (0.10, 0.20), to go to (−0.25, 0.20): fixed; holds right")
     assert told[-1][0].words == "holds left at (−0.25, 0.20): fixed; holds right at (−0.25, −0.20): fixed"
 
 

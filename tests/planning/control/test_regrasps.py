@@ -17,7 +17,7 @@ from estimation import CartFilter, FilterNoise
 from planning import Caution, Controller, LeastSideForce, PathReference, TipOver, WrenchPlanner, chain, pause, straight
 from planning.contact_sources.choosing import Choosing
 from planning.control.hand import Phase, RegraspTimes
-from planning.control.regrasps import Ahead, Regrasps
+from planning.control.regrasps import LOOKS_PER_TICK, Ahead, Regrasps
 from planning.references import speed_change, turn
 
 from .driving import ticks
@@ -71,7 +71,10 @@ def test_limits_hold_for_what_all_hands_give(leaves, least, confidence):
     assert {step.hands["left"].phase for step in steps} == set(Phase)
     bites = 0
     for step in steps:
-        given, floor = step.given.spatial_wrench_b, FloorReaction.of(step.estimate.cart(), step.estimate.motion)
+        given, floor = (
+            step.given.spatial_wrench_b,
+            FloorReaction.of(step.estimate.cart_on_floor(), step.estimate.motion),
+        )
         np.testing.assert_allclose(step.plan.cart_wrench, step.given.wrench_b, atol=1e-9)
         np.testing.assert_allclose(step.plan.wheel_loads, floor.loads(given), atol=1e-6)
         if step.plan.is_usable:
@@ -82,7 +85,7 @@ def test_limits_hold_for_what_all_hands_give(leaves, least, confidence):
 
 def test_wheels_are_told_for_the_estimate_without_limits_too():
     for step in drive(CURVES, 1.0, duration=2.0):
-        floor = FloorReaction.of(step.estimate.cart(), step.estimate.motion)
+        floor = FloorReaction.of(step.estimate.cart_on_floor(), step.estimate.motion)
         assert step.plan.wheel_side_force == pytest.approx(floor.lateral(step.given.spatial_wrench_b), abs=1e-9)
 
 
@@ -143,7 +146,7 @@ def test_a_sample_that_is_refused_says_nothing_of_arms():
 def test_a_hand_that_is_away_is_not_counted_on_where_another_arm_comes_back(hands):
     """The first by name is the one that comes back."""
     there = {"left": np.array([-0.25, 0.2, 1.0]), "right": np.array([0.1, -0.2, 0.9])}
-    hands.send(there, still([1.0, 0.0, 0.0]), 0.0)
+    looked_ahead(hands, there, still([1.0, 0.0, 0.0]), 0.0)
     for _ in range(30):
         hands.go_on(0.01, {"left"})
     assert hands.hands["right"].is_away
@@ -178,6 +181,12 @@ def still(wrench, time=0.0):
     return Ahead(PathReference(chain(pause(9.0))), CART, rest, time, np.asarray(wrench, dtype=float))
 
 
+def looked_ahead(hands, contacts, ahead, time):
+    """Asked in as many ticks as it takes to look ahead for a regrasp of 4 s."""
+    for _ in range(25):
+        hands.send(contacts, ahead, time)
+
+
 @pytest.fixture
 def hands():
     """Of two arms, which hold at their first places."""
@@ -191,9 +200,9 @@ AWAY = {"left": np.array([0.1, 0.2, 0.9]), "right": np.array([-0.25, -0.2, 1.0])
 
 def test_a_hand_that_may_not_go_is_asked_again_while_the_path_waits(hands):
     """The time along the path stands still then, and with it stood the answer."""
-    hands.send(AWAY, still([500.0, 0.0, 0.0]), 0.0)
+    looked_ahead(hands, AWAY, still([500.0, 0.0, 0.0]), 0.0)
     assert "can't bear" in hands.kept["left"]
-    hands.send(AWAY, still([5.0, 0.0, 0.0]), 1.0)
+    looked_ahead(hands, AWAY, still([5.0, 0.0, 0.0]), 1.0)
     assert hands.hands["left"].phase is not Phase.HOLDS
 
 
@@ -204,7 +213,7 @@ def test_no_hand_leaves_the_cart_to_an_arm_that_gives_little(hands):
     hands.go_on(0.01)
     for _ in range(200):
         hands.go_on(0.01)
-    hands.send(AWAY, still([5.0, 0.0, 0.0]), 5.0)
+    looked_ahead(hands, AWAY, still([5.0, 0.0, 0.0]), 5.0)
     assert hands.hands["left"].phase is not Phase.HOLDS
 
 
@@ -215,7 +224,7 @@ def test_no_hand_goes_where_another_holds_nor_past_it():
     made = Regrasps(WrenchPlanner(CART, held, relax=np.inf), held, RegraspTimes(), 0.05, 0.3)
     for left, right, leaves in ((there, here, None), (beyond, there, None), (there, beyond, "right")):
         made.begin({"left": np.array(here), "right": np.array(there)})
-        made.send({"left": np.array(left), "right": np.array(right)}, still([1.0, 0.0, 0.0]), 0.0)
+        looked_ahead(made, {"left": np.array(left), "right": np.array(right)}, still([1.0, 0.0, 0.0]), 0.0)
         assert made.busy == leaves
         assert made.kept["left"] == "it would come nearer than 0.3 m to right"
 
@@ -293,3 +302,35 @@ def test_a_hand_stays_for_a_turn_that_begins_and_ends_on_its_way(begins):
     steps = [tick.step for tick in ticks(controller, bed, path.duration)]
     assert {step.hands["left"].phase for step in steps} == set(Phase)
     assert {step.plan.status for step in steps} == {"optimal"}
+
+
+@pytest.mark.parametrize("speed", [0.5, 0.05])
+def test_no_tick_makes_many_plans(speed, monkeypatch):
+    """A hand that was to be away for 8 s had one make 80."""
+    made, plan_or_hold = [0], WrenchPlanner.plan_or_hold
+
+    def counted(*args, **parts):
+        made[-1] += 1
+        return plan_or_hold(*args, **parts)
+
+    monkeypatch.setattr(WrenchPlanner, "plan_or_hold", counted)
+    path, held = PathReference(chain(speed_change(0.4), pause(12.0), speed_change(-0.4))), arms()
+    controller, phases = Controller(CART, held, path, contacts=Leaves(held, 2.0), regrasp=RegraspTimes(speed)), set()
+    for tick in ticks(controller, CART, 4.0):
+        phases.add(tick.step.hands["left"].phase)
+        made.append(0)
+    assert Phase.UNLOADS in phases
+    assert max(made) <= 3 + LOOKS_PER_TICK  # for now, of all hands, and of the others
+
+
+def test_a_look_ahead_ends_where_another_place_is_asked_for(hands):
+    """What was seen for the one is not taken for the other's."""
+    near, sent = {"left": np.array([-0.2, 0.2, 1.0]), "right": AWAY["right"]}, [0, 0]
+    for k, before in enumerate((0, 5)):
+        hands.begin({"left": np.array([-0.25, 0.2, 1.0]), "right": AWAY["right"]})
+        for _ in range(before):
+            hands.send(AWAY, still([5.0, 0.0, 0.0]), 0.0)
+        while hands.busy is None:
+            hands.send(near, still([5.0, 0.0, 0.0]), 0.0)
+            sent[k] += 1
+    assert sent[0] == sent[1] > 1
