@@ -75,8 +75,10 @@ class Scenario:
         return with_truth(run(self.build(), self.duration, progress), self.truth)
 
     def build(self, **parts: Any) -> Loop:
-        """The loop, ready to run; `parts` of the controller in place of the usual ones."""
-        return Loop(self.controller(**parts), self._plant(), Sensors(self.truth, self.sensors, self.seed))
+        """The loop, warmed up and ready to run; `parts` of the controller in place of the usual ones."""
+        controller = self.controller(**parts)
+        controller.warm_up()
+        return Loop(controller, self._plant(), Sensors(self.truth, self.sensors, self.seed))
 
     def controller(self, **parts: Any) -> Controller:
         """What follows the path, with the estimator and the way to hold that are described."""

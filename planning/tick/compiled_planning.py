@@ -28,7 +28,7 @@ from ..plan import ChoiceProof, Figures, Plan
 from ..quadratic_program import OPTIMAL, LimitNames, QPSolution, QuadraticProgram, Residuals, active_limits
 from .compiled_allocation import SOLVER, CompiledAllocation, Point
 from .compiled_choice import CompiledChoice
-from .compiled_nearest import UNPROVEN, Near, nearest
+from .compiled_nearest import UNPROVEN, Bend, Near, Nearest, nearest
 from .given_contacts import REACH_TOLERANCE
 from .plan_inputs import real_numbers
 from .tangents import Tangents, values_of
@@ -86,20 +86,27 @@ class CompiledPlanning:
 
     def nearest(self, wrench: Point, cost: Cost, start: float) -> Near:
         """The plan of the nearest, where `at` found that a wrench can't be given, and how far it is."""
-        points, basis_b = self._asked_at, self._terms.template.basis_b
+        points, basis_b, bend = self._asked_at, self._terms.template.basis_b, None
         for _ in range(MAX_TANGENT_UPDATES):
-            found = nearest(self._posed(), points, wrench)
+            found = nearest(self._posed(), points, wrench, bend)
             if isinstance(found, str):
                 return found
-            wrenches, missing = found
-            turned = self._turned(points, wrench, wrenches)
+            missing = found.missing
+            turned = self._turned(points, wrench, found.wrenches)
             if turned is None:
                 x, y, turn = (wrench - basis_b @ np.linalg.solve(basis_b.T @ basis_b, missing)).tolist()
                 if not self._solves((x, y, turn), points, cost):
                     return UNPROVEN
                 return self._plan(points, (x, y, turn), None, start), float(np.linalg.norm(missing))
-            self._tangents = turned
+            self._tangents, bend = turned, self._bend(turned, found)
         return UNPROVEN
+
+    def _bend(self, tangents: Tangents, found: Nearest) -> Bend:
+        """How cones bend at wrenches that were found, so that the next are those of Newton's method."""
+        maps = self._maps(self._asked_at)
+        whole = maps.transpose(1, 0, 2).reshape(6, -1)
+        bent = tangents.curvature(values_of(tangents.rows, found.wrenches, maps), found.of_cart_rows)
+        return Bend(whole.T @ bent @ whole, found.wrenches)
 
     def _solves(self, wrench: Point, points: Array, cost: Cost) -> bool:
         """Whether the allocation then has the proven optimum, at which the cones hold."""

@@ -44,6 +44,17 @@ class Tangents:
             return None
         return replace(self, directions=np.where(beyond[:, None], _units(s[:, 1:], lengths), self.directions))
 
+    def curvature(self, values: Array, linear: Array) -> Array:
+        """How the cones bend in what hands give in sum, (6, 6), where the rows have values (k,), weighed with the
+        multipliers of the linear rows: what a half-space lacks of a cone in the second order."""
+        rows = self.rows
+        s, lengthwise = _in_cones(rows, values)[:, 1:], rows.of_sum[rows.n_plain :].reshape(*self._mix.shape, 6)[:, 1:]
+        lengths = np.sqrt(np.square(s).sum(axis=1))
+        weights = np.divide(-linear[rows.n_plain :], lengths, out=np.zeros(len(s)), where=lengths > MIN_MARGIN)
+        along = np.einsum("ci,cij->cj", _units(s, lengths), lengthwise)
+        bent = np.einsum("c,cij,cik->jk", weights, lengthwise, lengthwise)
+        return np.asarray(bent - np.einsum("c,cj,ck->jk", weights, along, along))
+
     @cached_property
     def linear(self) -> CartRows:
         """Rows without cones, the half-spaces last. What hands give counts in sum to a cone's rows."""

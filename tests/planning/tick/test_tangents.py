@@ -98,6 +98,48 @@ def test_margins_that_no_wrench_keeps_cost_no_search(scale, status, monkeypatch)
     np.testing.assert_allclose(plan.cart_wrench, reference.cart_wrench, atol=1e-3)
 
 
+def test_the_nearest_is_found_where_several_margins_bend(monkeypatch):
+    """Half-spaces alone go to and fro about it."""
+    warm, cold = (WrenchPlanner(cart(), hands(), cart_limits=MANY, confidence=0.99, relax=np.inf) for _ in range(2))
+    warm.warm_up()
+    generator, found = np.random.default_rng(8), []
+    for _ in range(60):
+        wrench = generator.normal(size=3) * (120.0, 5.0, 40.0)
+        told = estimate(covariance(generator.uniform(0.3, 2.0)), (REST, BEND)[generator.integers(2)])
+        with monkeypatch.context() as patched:
+            patched.setattr("planning.solvers.QuadraticSolver.solve", None)
+            plan = warm.plan_or_hold(wrench, CONTACTS, told)
+        reference = cold.plan_or_hold(wrench, CONTACTS, told)
+        assert plan.status == reference.status
+        found.append(plan.status)
+        if plan.status == "relaxed":
+            np.testing.assert_allclose(plan.cart_wrench, reference.cart_wrench, atol=1e-3)
+    assert found.count("relaxed") > 20
+
+
+@given(at=vectors(12, -60.0, 60.0), weights=vectors(4, 0.0, 5.0))
+def test_the_curvature_is_that_of_the_cones_lengths(at, weights):
+    robust = rows(BEND)
+    tangents = Tangents.touching(robust, values_of(robust, at, MAPS))
+    c, n = len(robust.cones), robust.n_plain
+    linear = np.concatenate([np.zeros(n), -np.resize(weights, c)])
+
+    def weighed(whole):
+        s = robust.cone_offsets + (robust.of_sum[n:] @ whole).reshape(c, -1)
+        return -linear[n:] @ np.linalg.norm(s[:, 1:], axis=1)
+
+    whole, step, axes = MAPS.transpose(1, 0, 2).reshape(6, -1) @ at, 1e-2, np.eye(6)
+    numeric = [
+        [
+            sum(a * b * weighed(whole + step * (a * axes[i] + b * axes[j])) for a in (1, -1) for b in (1, -1))
+            for j in range(6)
+        ]
+        for i in range(6)
+    ]
+    found = tangents.curvature(values_of(robust, at, MAPS), linear)
+    np.testing.assert_allclose(found, np.array(numeric) / (4 * step**2), atol=1e-4 * (1.0 + np.abs(found).max()))
+
+
 @given(held=vectors(12, -60.0, 60.0), other=vectors(12, -60.0, 60.0))
 def test_half_spaces_hold_whatever_the_cones_hold(held, other):
     """And touch them where they are said to, but for margins that don't depend on the wrench."""
