@@ -59,6 +59,7 @@ class CompiledPlanning:
         self._choice: CompiledChoice | None = None
         self._candidates: Candidates | None = None
         self._tangents: Tangents | None = None
+        self._bend: Bend | None = None
         self._linear: AllocationTemplate | None = None
         self._mapped = (self._given_points, np.zeros(0), np.zeros((0, 6, 6)))
 
@@ -81,14 +82,17 @@ class CompiledPlanning:
         if points is None:
             return None
         self._asked_at = points
-        self._tangents = None if not self._terms.template.cart_rows.cone_names else self._touching(points)
+        last = self.last[0] if len(self.last[0]) else np.zeros(self._n)
+        self._tangents = None if not self._terms.template.cart_rows.cone_names else self._touching(points, last)
         return self._plan(points, wrench, None, start) if self._solves(wrench, points, cost) else None
 
     def nearest(self, wrench: Point, cost: Cost, start: float) -> Near:
         """The plan of the nearest, where `at` found that a wrench can't be given, and how far it is."""
-        points, basis_b, bend = self._asked_at, self._terms.template.basis_b, None
+        points, basis_b = self._asked_at, self._terms.template.basis_b
+        if self._tangents is not None and self._bend is not None:  # goes on from what was nearest before
+            self._tangents = self._touching(points, self._bend.about)
         for _ in range(MAX_TANGENT_UPDATES):
-            found = nearest(self._posed(), points, wrench, bend)
+            found = nearest(self._posed(), points, wrench, None if self._tangents is None else self._bend)
             if isinstance(found, str):
                 return found
             missing = found.missing
@@ -98,10 +102,11 @@ class CompiledPlanning:
                 if not self._solves((x, y, turn), points, cost):
                     return UNPROVEN
                 return self._plan(points, (x, y, turn), None, start), float(np.linalg.norm(missing))
-            self._tangents, bend = turned, self._bend(turned, found)
+            self._tangents, self._bend = turned, self._bent(turned, found)
+        self._bend = None
         return UNPROVEN
 
-    def _bend(self, tangents: Tangents, found: Nearest) -> Bend:
+    def _bent(self, tangents: Tangents, found: Nearest) -> Bend:
         """How cones bend at wrenches that were found, so that the next are those of Newton's method."""
         maps = self._maps(self._asked_at)
         whole = maps.transpose(1, 0, 2).reshape(6, -1)
@@ -120,10 +125,10 @@ class CompiledPlanning:
             self._tangents = turned
         return False
 
-    def _touching(self, points: Array) -> Tangents:
-        """Half-spaces for the cones of now, which touch them at the last wrenches."""
-        rows, last = self._terms.template.cart_rows, self.last[0] if len(self.last[0]) else np.zeros(self._n)
-        return Tangents.touching(rows, values_of(rows, last, self._maps(points)))
+    def _touching(self, points: Array, wrenches: Array) -> Tangents:
+        """Half-spaces for the cones of now, which touch them at wrenches (6n,)."""
+        rows = self._terms.template.cart_rows
+        return Tangents.touching(rows, values_of(rows, wrenches, self._maps(points)))
 
     def _turned(self, points: Array, wrench: Point, found: Array | None = None) -> Tangents | None:
         """Half-spaces for another try, where a cone doesn't hold at the wrenches (6n,) that were found: the
