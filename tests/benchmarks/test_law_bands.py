@@ -24,7 +24,7 @@ def test_the_table_is_of_means_by_law():
     assert last[3].split()[:4] == ["all", "3", "80.0", "%"]
 
 
-@pytest.mark.long
+@pytest.mark.prove
 def test_a_drift_is_within_its_band(tmp_path):
     generate(tmp_path, ["drift", "nothing"], range(31, 32), "rich")
     (found,) = bands(tmp_path, 1)

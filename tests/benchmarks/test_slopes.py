@@ -1,11 +1,13 @@
 """The benchmark of slopes that nobody told of: a small one."""
 
 import numpy as np
+import pytest
 
 from benchmarks.slopes import HEADER, NAMES, driven, rows
 from estimation import Prior
 
 
+@pytest.mark.prove
 def test_a_row_says_what_its_runs_did():
     first = next(rows([3], {"0.007": Prior()}, ["CartFilter"]))
     told = driven(3, 0.0, "curved", "CartFilter", Prior())[0]

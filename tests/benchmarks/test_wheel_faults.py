@@ -1,9 +1,12 @@
 """A small version of `python -m benchmarks.wheel_faults`."""
 
+import pytest
+
 from benchmarks.sealed.generate import generate
 from benchmarks.wheel_faults import CONSTANTS, KINDS, counts, looks, moved_by
 
 
+@pytest.mark.prove
 def test_wrong_files_are_told_and_constants_come_back(tmp_path):
     generate(tmp_path, ["rolling_resistance"], [8621], "rich")
     every = [one for one in looks(tmp_path) if one.kind != KINDS[3]]

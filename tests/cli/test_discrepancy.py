@@ -168,6 +168,7 @@ def test_samples_that_are_missing(diagnose, sealed):
     assert "rolling_resistance" in [e["name"] for e in document["effects"]]
 
 
+@pytest.mark.prove
 def test_a_slower_force_sensor(diagnose, sealed):
     """Which tells a wrench in every second row."""
     answer = diagnose(spoiled(sealed.table, slice(None, None, 2), WRENCH, ""))
