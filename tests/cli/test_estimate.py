@@ -130,7 +130,7 @@ HOLES = {
 }
 
 
-@pytest.mark.some(6)
+@pytest.mark.some(4)
 @ONLINE
 @pytest.mark.parametrize("which", HOLES)
 def test_samples_that_are_missing(capsys, tmp_path, weaving, which, method):

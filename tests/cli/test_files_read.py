@@ -82,6 +82,7 @@ def reported(capsys, monkeypatch, log, *options):
     return out
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", ["mine.csv.topics.yaml", "hands/both.csv"])
 @pytest.mark.parametrize("given", [False, True])
 def test_a_report_follows_only_what_is_as_it_was(capsys, monkeypatch, table, name, given):

@@ -44,6 +44,7 @@ def asked(capsys, first):
     return json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
 
 
+@pytest.mark.prove
 def test_what_is_run_next_tells_rivals_apart(capsys, first, asked):
     """By equations that share no code with the model's."""
     (effect,) = asked["effects"]

@@ -68,6 +68,7 @@ def test_what_is_accepted_is_learned_from(capsys, folder, command):
     asked(capsys, folder, command, "unit.csv", "--accept", "sign").refused(3, "--accept unit")
 
 
+@pytest.mark.prove
 def test_what_is_accepted_is_still_told(capsys, folder):
     answer = asked(capsys, folder, "discrepancy", "sign.csv", "--accept", "sign")
     assert answer.status == 0

@@ -104,6 +104,7 @@ def test_no_side_force_is_asked_of_a_constrained_cart():
     assert np.isfinite(wrench).all()
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize("axle", [0.0, 0.4])
 @pytest.mark.parametrize("start", [(-40.0, 3.0, 2.5), (0.4, -0.8, -1.0), (5.0, 30.0, -3.0)])
 def test_far_errors_are_made_good_at_a_bounded_speed(axle, start):

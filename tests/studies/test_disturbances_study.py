@@ -41,6 +41,7 @@ def test_every_way_meets_the_push(way, short):
     assert math.isnan(outcome.mass_error) == (way not in (OURS, PAPER))
 
 
+@pytest.mark.prove
 def test_ours_learns_loads():
     """Of two, what the wrenches did not explain was kept back for 10 s once, and the mass was off by a third; of the
     others it was off by 6 to 20 % while the learner that had heard the least decided. One draw says little: with other

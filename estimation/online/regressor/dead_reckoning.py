@@ -28,6 +28,8 @@ class ReckoningLearner(ParameterLearner):
     def take(self, measurement: Measurement) -> None:
         before, last = self.time, (self.motion, self._felt()) if self._started else None
         super().take(measurement)
+        if self.is_torn:  # nobody else says where the cart is
+            self.begin_anew()
         if last is None or self._motion_seen_at == self.time:
             self._state = None
             return

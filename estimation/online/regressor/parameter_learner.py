@@ -107,8 +107,7 @@ class ParameterLearner:
         self.learned.is_disturbed = acts
 
     def begin_anew(self) -> None:
-        """Somebody who knows the wrenches, too, follows the poses that here are elsewhere than believed: motion starts
-        anew with the next one."""
+        """Poses that are elsewhere than believed are to be followed: motion starts anew with the next one."""
         self._is_elsewhere = True
 
     def note_push(self) -> None:

@@ -92,6 +92,7 @@ def stepped(of, seen, time, memory, theta):
     return belief
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize(("kind", "what"), CASES)
 @few
 @given(numbers=SMALL, gap=st.floats(1e-3, 0.09))

@@ -35,6 +35,7 @@ def scores(found):
     return [(parameters[n].value - v) / parameters[n].std for n, v in zip(NAMES, TRUTH, strict=False)]
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seeds", [5, pytest.param(20, marks=pytest.mark.prove)])
 @pytest.mark.parametrize("curved", [False, True])
 def test_intervals_hold_over_seeds(curved, seeds):

@@ -13,7 +13,7 @@ from cartgrasp.first_guess import FirstGuess
 from cartgrasp.frames import body_to_world
 from cartgrasp.simulation import ModelPlant
 from cartgrasp.wheels import Wheel
-from estimation import CartFilter, DisturbedFilter, FilterNoise
+from estimation import CartFilter, DisturbedFilter, FilterNoise, RegressorEstimator
 
 from ..runs import simulate_two_hands
 
@@ -101,11 +101,11 @@ def test_poses_that_go_elsewhere_than_measured_velocities_are_not():
     assert healths[-1] == "outliers"
 
 
-@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
+@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter, RegressorEstimator])
 @pytest.mark.parametrize("turned_by", [0.0, 0.5])
 def test_parameters_are_learned_beyond_a_new_origin(kind, turned_by):
     """A tracker that was started again tells other places, at times other directions, for good. Nothing more was ever
-    learned, no load and no reversed sensor seen, with health ok."""
+    learned, no load and no reversed sensor seen, with health ok; a regressor told the old place for 25 s."""
     made, found = kind(FIRST, ["left", "right"], noise=LEARNING), []
     cosine, sine = np.cos(turned_by), np.sin(turned_by)
     turn = np.array([[cosine, -sine, 0.0], [sine, cosine, 0.0], [0.0, 0.0, 1.0]])
@@ -113,6 +113,8 @@ def test_parameters_are_learned_beyond_a_new_origin(kind, turned_by):
         if m.time >= 5.0:
             m = replace(m, pose=turn @ m.pose + [2.0, 1.0, turned_by], velocity=turn @ m.velocity)
         found.append(made.update(m))
+        if m.time > 9.0:
+            assert np.linalg.norm(found[-1].motion.pose_sb - m.pose) < 0.01
     before, later = (
         [one for one in found if start <= one.time < end and one.health == "ok"] for start, end in ((4.5, 5.0), (9, 16))
     )

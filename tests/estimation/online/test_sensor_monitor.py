@@ -87,6 +87,7 @@ def at_rate(rate, duration=5.0):
     return time, pose, velocity, wrench
 
 
+@pytest.mark.some(5)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("rate", "way"),

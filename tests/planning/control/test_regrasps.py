@@ -62,6 +62,7 @@ def drive(reference, leaves, rate=np.inf, far=0.1, duration=None, **parts):
     return [tick.step for tick in ticks(controller, CART, duration or reference.duration)]
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("leaves", [1.5, 1.65])
 @pytest.mark.parametrize(("least", "confidence"), [(43.0, None), (20.0, 0.9)])
 def test_limits_hold_for_what_all_hands_give(leaves, least, confidence):
