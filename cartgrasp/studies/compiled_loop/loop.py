@@ -142,7 +142,9 @@ class _Run:
     @cached_property
     def _planner(self) -> WrenchPlanner:
         s = self.scenario
-        return WrenchPlanner(s.guess, list(s.arms), period=s.period, relax=np.inf)
+        planner = WrenchPlanner(s.guess, list(s.arms), period=s.period, relax=np.inf)
+        planner.warm_up()
+        return planner
 
     # --- what the kernels are given ---------------------------------------------------------------------------
 

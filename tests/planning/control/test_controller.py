@@ -75,6 +75,7 @@ def test_it_does_what_its_parts_do_one_by_one():
     plant, sensors = ModelPlant(CART), Sensors(CART, SensorNoise(force=1.0, moment=0.05), seed=3)
     tracker, cart_filter = build_tracker(GUESS.constraints), learner()
     planner = WrenchPlanner(GUESS, held, period=0.01, relax=np.inf)
+    planner.warm_up()
     first = {arm.name: arm.contacts.first for arm in held}
     for step, _ in told:
         estimate = cart_filter.update(sensors.motion(plant.time, plant.motion))
