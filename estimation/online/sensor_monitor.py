@@ -1,10 +1,10 @@
 """Whether sensors mean what they say, while they speak: signs and units that no cart could have, and noise.
 
 Samples are averaged over blocks. Differences of poses are held against velocities and against the way that wheels
-roll, which tells units and signs of poses; wrenches against what a cart takes on the same way (`wrench_balance.py`),
-which tells signs, and one arm's unit. The unit of all is told by their power, which is about as large as the first
-guess would take, as far as its file knows the mass. Each fault is a rival explanation of the same sums, with the odds
-that `sensor_check` gives it on whole logs.
+roll, which tells units and signs of poses; the power of the recorded wrenches against what the first guess would take
+on the same way, which tells those of wrenches: a cart takes power to be sped up and gives some back, never the other
+way round, and about as much as it is guessed to, as far as its file knows its mass. Each fault is a rival explanation
+of the same sums, with the odds that `sensor_check` gives it on whole logs.
 """
 
 from __future__ import annotations
@@ -25,7 +25,6 @@ from ..sensor_check.axle import WRONG_AXLE_ODDS
 from ..sensor_check.evidence import WRONG_HEADING_ODDS, probabilities
 from ..sensor_check.suspicion import REFUSAL_PROBABILITY, Suspicion
 from ..sensor_check.wrench_readings import COMMON_MOUNTING_ODDS, UNIT_ODDS
-from ..standstill import HALF_TRACK, STANDSTILL_SPEED
 from .axle_monitor import AxleMonitor
 from .competing_explanations import (
     BLOCK_FORGETTING_FACTOR,
@@ -49,7 +48,6 @@ from .sensor_block import (
     wrapped,
     wrenches_of,
 )
-from .wrench_balance import FORCE_UNIT_ODDS, FORCE_UNITS, WrenchBalance
 
 RETAINED_PROBABILITY = 0.5
 """Probability down to which what was told stays so."""
@@ -57,6 +55,8 @@ MAX_PLAUSIBLE_SPEED = 40.0
 """m/s that no cart goes."""
 LENGTH_UNITS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
 """What a metre is recorded as."""
+FORCE_UNITS = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0}
+"""N in each unit."""
 FRICTION_LOG_STD = math.log(2.0)
 """Standard deviation of the logarithm of the friction as guessed, beside that of the mass."""
 UNKNOWN_LOG_VARIANCE = 1e6
@@ -65,6 +65,9 @@ MIN_MASS_LOG_STD, MIN_POWER_RATIO = 0.02, 1e-9
 """Deviation of a mass that is known, as scales are; and a share that is none."""
 MIN_CONCLUSIONS_IN_A_ROW = 4
 """Conclusions in a row, before a unit of force is told: what a gentle run says of the mass wanders for a while."""
+FORCE_UNIT_ODDS = 0.003
+"""Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
+as heavy as it was guessed to be."""
 DEGREES_BEYOND_TURN_ODDS = 100.0
 """Odds of degrees where headings begin beyond a turn: a sensor of radians has to have been turning before."""
 NOISE_AVERAGING_BLOCKS, MIN_NOISE_BLOCKS, MIN_NOISE_RATIO = 16.0, 6.0, 1.5
@@ -91,9 +94,7 @@ class SensorMonitor:
         self._first_heading, self._axle, self._direction = math.nan, AxleMonitor(), DirectionMonitor()
         self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
         self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
-        self._products, self._rows = np.zeros((3, 3)), 0.0
-        self._made_of = cart, arms, noise, prior, yaws
-        self._balance = WrenchBalance(self._made_of, self._arms)
+        self._products, self._rows, self._power = np.zeros((2, 2)), 0.0, CompetingExplanations(())
         self._sure, self._noise_blocks, self._jumps = 0, 0.0, (False, False)  # of the last two ways
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
@@ -130,8 +131,9 @@ class SensorMonitor:
         velocity, noise = velocities_of(samples)
         if noise is not None:
             self._note_noise(noise)
+        yield
         if self._takes_all:
-            self._note_arms(tuple(dict.fromkeys([*self._arms, *[arm for m in samples for arm in m.wrenches]])))
+            self._arms = tuple(dict.fromkeys([*self._arms, *[arm for m in samples for arm in m.wrenches]]))
         wrenches = wrenches_of(samples, self._contacts, self._arms, self._yaws)
         block = SensorBlock(*moved, velocity, wrenches, noise)
         if math.isnan(self._first_heading):
@@ -145,19 +147,11 @@ class SensorMonitor:
         yield
         if len(blocks) > 1:
             self._compare_motion(blocks[-2], blocks[-1])
+        yield
         if len(blocks) > 2:
-            self._compare_wrenches(blocks)
-            yield
-            self._balance.conclude_of_all()
-            yield
-            self._balance.conclude_of_last()
+            self._compare_power(blocks)
             yield
             self._conclude()
-
-    def _note_arms(self, arms: tuple[str, ...]) -> None:
-        if arms != self._arms:
-            self._arms, self._balance = arms, WrenchBalance(self._made_of, arms)
-            self._products, self._rows = np.zeros((3, 3)), 0.0
 
     def _note_noise(self, noise: tuple[float, float]) -> None:
         self._noise_blocks = blocks = min(self._noise_blocks + 1.0, NOISE_AVERAGING_BLOCKS)
@@ -194,41 +188,46 @@ class SensorMonitor:
         off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTH_UNITS.values()]
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
-    def _compare_wrenches(self, blocks: tuple[SensorBlock, ...]) -> None:
-        """Holds the wrenches against what the cart takes on the same way: all that it may be, and what inertia and
-        friction of the first guess do."""
+    def _compare_power(self, blocks: tuple[SensorBlock, ...]) -> None:
+        """Adds products of the power of each arm's recorded wrench and that which inertia and friction of the first
+        guess take on the same way."""
         first, middle, last = blocks
-        given = [block.wrenches_b for block in blocks if len(block.wrenches_b or ()) == len(self._arms) > 0]
-        if any(self._jumps) or len(given) < len(blocks):
+        if any(self._jumps) or first.wrenches_b is None or middle.wrenches_b is None or last.wrenches_b is None:
             return
         before, after = _twist(first, middle), _twist(middle, last)
-        if any(math.hypot(u, w) + HALF_TRACK * abs(r) < STANDSTILL_SPEED for u, w, r in (before, after)):
-            return
         step = 0.5 * (last.time - first.time)
         twist = np.array([0.5 * (old + new) for old, new in zip(before, after, strict=True)])
         rate = np.array([(new - old) / step for old, new in zip(before, after, strict=True)])
-        nu, nu_rate = self._along @ twist, self._along @ rate
+        nu = self._along @ twist
         state = self._cart.state((*middle.place, middle.headings[0]), nu)
-        wrenches = np.average(np.array(given), axis=0, weights=(1.0, 4.0, 1.0))
-        needed = self._balance.note(state, nu_rate, middle.time, wrenches @ self._cart.basis_b)
+        needed = self._cart.required_wrench(state, self._along @ rate, time=middle.time)
         inertial = float(twist @ self._mass_matrix @ rate)
-        powers = np.array([inertial, float(needed @ nu) - inertial, float(wrenches.sum(axis=0) @ twist)])
+        friction = float(needed @ nu) - inertial
+        arms = zip(first.wrenches_b, middle.wrenches_b, last.wrenches_b, strict=False)
+        given = [
+            sum([(a + 4.0 * b + c) * speed for a, b, c, speed in zip(*held, twist.tolist(), strict=True)]) / 6.0
+            for held in arms
+        ]
+        powers = np.array([inertial, friction, *given])
+        if len(powers) != len(self._products):
+            self._products, self._rows = np.zeros((len(powers), len(powers))), 0.0
+            self._power = CompetingExplanations(())
         self._products = BLOCK_FORGETTING_FACTOR * self._products + np.outer(powers, powers)
         self._rows = BLOCK_FORGETTING_FACTOR * self._rows + 1.0
+        self._power = self._power.and_then((), float(powers @ powers))
 
     # --- what follows ----------------------------------------------------------------------------------------
 
     def _conclude(self) -> None:
-        found, read = [*self._of_headings(), *self._of_lengths()], tuple[Suspicion, ...]()
+        found = [*self._of_headings(), *self._of_lengths()]
         if not found:
             found += self._of_axle()
             if self._sideways.left[0] <= MAX_UNEXPLAINED_FRACTION * self._sideways.whole:
-                read = self._balance.suspicions
-                found += self._of_units()
+                found += self._of_wrenches()
         reported = {(one.kind, one.where) for one in self.suspicions}
         asked = [RETAINED_PROBABILITY if (one.kind, one.where) in reported else REFUSAL_PROBABILITY for one in found]
         kept = [one for one, least in zip(found, asked, strict=True) if one.probability >= least]
-        self.suspicions = (*read, *kept, *self._of_noise())
+        self.suspicions = (*kept, *self._of_noise())
 
     def _of_headings(self) -> Iterator[Suspicion]:
         """Suspicions of headings: in degrees, the other way round, or off by an angle beside which the cart goes. An
@@ -274,15 +273,28 @@ class SensorMonitor:
         if axle is not None and (one := self._axle.suspicion(float(axle), RETAINED_PROBABILITY)) is not None:
             yield one
 
-    def _of_units(self) -> Iterator[Suspicion]:
-        """The unit of all wrenches, by how much of what the first guess would take for inertia and for friction they
-        give."""
+    def _of_wrenches(self) -> Iterator[Suspicion]:
+        """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of
+        theirs, whatever the sizes; the sizes tell of the unit."""
         powers = PowerBalance.of(self._products)
         guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
         if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
             return
-        if any(one.where != "wrench" for one in self._balance.suspicions):
-            return
+        arms = self._arms[: len(self._products) - 2]
+        shares = [powers.left(sign, self._power.rows) for sign in (1.0, -1.0)]
+        if len(arms) > 1:
+            shares += [PowerBalance.of(self._products, k).left(1.0, self._power.rows) for k in range(len(arms))]
+        odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
+        _, *wrong = probabilities(
+            np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._power.rows).evidence), odds
+        ).tolist()
+        if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
+            where = ("wrench", *arms)[wrong.index(max(wrong))]
+            words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
+            of_one = f"{where}: its wrench works against the cart while others push: its sign is reversed"
+            yield Suspicion("sign", where, sum(wrong), -1.0, words if where == "wrench" else of_one)
+            if where != "wrench":
+                return
         scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
         sound, *units = probabilities(scales, np.array([1.0, *[FORCE_UNIT_ODDS] * (len(FORCE_UNITS) - 1)])).tolist()
         self._sure = self._sure + 1 if sound < 1.0 - REFUSAL_PROBABILITY else 0

@@ -131,33 +131,6 @@ def test_one_arm_of_two_that_is_reversed_is_told_by_its_name(wrong):
     assert found[-1].health == Health.INCONSISTENT
 
 
-@pytest.mark.some(3)
-@pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
-@pytest.mark.parametrize("wrong", [("left", "right"), ("left",), ("right",)])
-def test_a_sign_that_is_turned_over_in_a_run_is_told_soon(wrong, kind):
-    """That of all was never told, and one arm's after 22 s; until then masses were sure, and wrong."""
-    log = simulate_two_hands(PLANT, 4, duration=15.0, noise=(0.0005, 0.005, 1.0))
-    signs = np.where(log.time < 8.0, 1.0, -1.0)[:, None]
-    arms = {name: ArmLog(arm.contact, signs * arm.wrench) if name in wrong else arm for name, arm in log.arms.items()}
-    noise = FilterNoise(force=1.0, moment=0.05)
-    found = replay(replace(log, arms=arms), kind(GUESS, ["left", "right"], noise=noise)).estimates
-    assert not any(one.suspicions for one in found if one.time < 8.0)
-    told = ("sign", wrong[0] if len(wrong) == 1 else "wrench")
-    assert all(told in {(s.kind, s.where) for s in one.suspicions} for one in found if one.time > 12.0)
-    sure = [one.parameters["mass"] for one in found if one.time > 8.0 and one.health == Health.OK]
-    assert all(abs(mass.value - PLANT[0]) < 4.0 * mass.std for mass in sure if mass.identifiable)
-
-
-@pytest.mark.parametrize("wrong", ["left", "right"])
-def test_one_arm_of_two_in_pounds_is_told(wrong):
-    log = simulate_two_hands(PLANT, 4, duration=15.0)
-    arm = log.arms[wrong]
-    of_pounds = replace(log, arms=log.arms | {wrong: ArmLog(arm.contact, arm.wrench / 4.4482216)})
-    (told,) = replay(of_pounds, CartFilter(GUESS, ["left", "right"])).last.suspicions
-    assert (told.kind, told.where) == ("unit", wrong)
-    assert told.factor == pytest.approx(4.4482216)
-
-
 def test_an_arm_that_comes_later_is_looked_at_from_then_on():
     log = simulate_two_hands(PLANT, 4, duration=12.0)
     cart_filter, found = CartFilter(GUESS), []
