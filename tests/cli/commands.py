@@ -4,6 +4,7 @@ from __future__ import annotations
 
 import json
 import os
+import re
 import subprocess
 import sys
 from pathlib import Path
@@ -15,6 +16,8 @@ from cartgrasp.cli import main
 from cartgrasp.cli.app import app
 
 ROOT = Path(__file__).parents[2]
+PROGRESS = re.compile(r"^.*: (\d+ %, \d+ (s|min) left|\d+ s)\n", re.MULTILINE)
+"""Lines that come where a machine is slow, and on no other."""
 CART = """\
 name: shopping cart
 mass: 24.0                # kg, loaded
@@ -122,7 +125,7 @@ def run(capsys, *arguments):
     capsys.readouterr()
     status = main([str(a) for a in arguments])
     captured = capsys.readouterr()
-    return Answer(status, captured.out, captured.err)
+    return Answer(status, captured.out, PROGRESS.sub("", captured.err))
 
 
 def run_apart(*arguments, **environment):
@@ -130,7 +133,7 @@ def run_apart(*arguments, **environment):
     env = {**os.environ, "PYTHONPATH": str(ROOT), "OMP_NUM_THREADS": "1", "PYTHONWARNINGS": "error", **environment}
     command = [sys.executable, "-m", "cartgrasp", *map(str, arguments)]
     done = subprocess.run(command, capture_output=True, text=True, encoding="utf-8", env=env, timeout=60)
-    return Answer(done.returncode, done.stdout, done.stderr)
+    return Answer(done.returncode, done.stdout, PROGRESS.sub("", done.stderr))
 
 
 def command_tree(command=None, path=()):
