@@ -31,7 +31,7 @@ from .compiled_choice import CompiledChoice
 from .compiled_nearest import UNPROVEN, Bend, Near, Nearest, nearest
 from .given_contacts import REACH_TOLERANCE
 from .plan_inputs import real_numbers
-from .tangents import Tangents, values_of
+from .tangents import Tangents, in_sum, values_of
 from .terms import Terms
 
 N_RESIDUALS = len(Residuals._fields)
@@ -109,7 +109,7 @@ class CompiledPlanning:
     def _bent(self, tangents: Tangents, found: Nearest) -> Bend:
         """How cones bend at wrenches that were found, so that the next are those of Newton's method."""
         maps = self._maps(self._asked_at)
-        whole = maps.transpose(1, 0, 2).reshape(6, -1)
+        whole = in_sum(maps)
         bent = tangents.curvature(values_of(tangents.rows, found.wrenches, maps), found.of_cart_rows)
         return Bend(whole.T @ bent @ whole, found.wrenches)
 
@@ -185,7 +185,7 @@ class CompiledPlanning:
 
     def forget(self) -> None:
         """The next search begins as if it were the first."""
-        self._candidates = None
+        self._candidates = self._bend = None
 
     # --- contacts -----------------------------------------------------------------------------------------
 

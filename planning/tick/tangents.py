@@ -85,10 +85,14 @@ class Tangents:
 
 def values_of(rows: CartRows, wrenches: Array, grasp_maps: Array) -> Array:
     """Values (k,) of rows for wrenches (6n,) of arms with spatial grasp maps (n, 6, 6)."""
-    whole = grasp_maps.transpose(1, 0, 2).reshape(6, -1) @ wrenches
-    values, n = rows.of_sum @ whole, rows.n_plain
+    values, n = rows.of_sum @ (in_sum(grasp_maps) @ wrenches), rows.n_plain
     values[:n] += rows.of_arm[:, :n].transpose(1, 0, 2).reshape(n, len(wrenches)) @ wrenches
     return np.asarray(values)
+
+
+def in_sum(grasp_maps: Array) -> Array:
+    """What wrenches (6n,) of arms with spatial grasp maps (n, 6, 6) are in sum, as a matrix (6, 6n)."""
+    return np.asarray(grasp_maps.transpose(1, 0, 2).reshape(6, -1))
 
 
 def _in_cones(rows: CartRows, values: Array) -> Array:
