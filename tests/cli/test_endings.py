@@ -138,7 +138,7 @@ def test_a_cart_that_no_file_can_be(capsys, tmp_path, name):
     run(capsys, "plan", path).refused(2)
 
 
-def test_json_is_ascii_where_stdout_is(tmp_path):
+def test_json_is_ascii_where_stdout_is(capsys, tmp_path):
     log = tmp_path / "run.csv"
     arm = [f"left.{c}" for c in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
     lines = [",".join(["t", "x", "y", "theta", *arm])]
@@ -146,7 +146,7 @@ def test_json_is_ascii_where_stdout_is(tmp_path):
     log.write_text("\n".join(lines))
     problem_file(tmp_path)
     arguments = ["estimate", log, "--cart", tmp_path / "cart.yaml", "--json"]
-    plain, unicode = run_apart(*arguments, PYTHONIOENCODING="ascii"), run_apart(*arguments)
+    plain, unicode = run_apart(*arguments, PYTHONIOENCODING="ascii"), run(capsys, *arguments)
     assert plain.status == unicode.status == 0
     assert plain.err == unicode.err == ""
     assert plain.out.isascii()
