@@ -52,6 +52,7 @@ def test_late_velocities_are_told_and_stop_nothing(capsys, folder):
     assert document["suspicions"][0]["factor"] == pytest.approx(0.05, abs=0.001)
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("name", ["reversed.csv", "mirrored.csv"])
 def test_a_wrong_sign_stops_unless_accepted(capsys, folder, name):
     status, document, err = checked(capsys, folder, name)

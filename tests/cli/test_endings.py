@@ -304,6 +304,7 @@ def test_simulate_keeps_limits_of_the_cart(capsys, monkeypatch, tmp_path):
     assert told[1] > 0.9 * told[0]  # pulls back less
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("way", ["periodic", "least-effort", "teach", "schedule"])
 def test_simulate_chooses_contacts(capsys, monkeypatch, tmp_path, way):
     """Each way says what it does and why; a hand that goes round is logged on its way, with a wrench of zero."""

@@ -122,7 +122,7 @@ def _numbers(document):
     return [document] if isinstance(document, float) else []
 
 
-@pytest.mark.some(2)
+@pytest.mark.some(1)
 @pytest.mark.parametrize(
     ("change", "kind"),
     [

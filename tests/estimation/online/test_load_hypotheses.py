@@ -186,7 +186,7 @@ def mass_and_health(told):
     return told[-1].parameters["mass"], [one.health for one in told]
 
 
-@pytest.mark.some(2)
+@pytest.mark.some(1)
 @pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
 @pytest.mark.parametrize("force", [15.0, 50.0])
 def test_a_push_teaches_no_mass(force, angle):

@@ -142,6 +142,7 @@ def loaded(mass, place):
     return whole, *com.tolist(), about_b - whole * np.dot(com, com), *drags
 
 
+@pytest.mark.some(2)
 @pytest.mark.long
 @pytest.mark.parametrize(("mass", "place"), [(14.0, (0.28, 0.06)), (14.0, (0.0, 0.0)), (-8.0, (0.28, 0.06))])
 def test_a_load_is_noticed_within_2_s_and_learned_within_5(mass, place):

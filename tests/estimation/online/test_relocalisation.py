@@ -56,6 +56,7 @@ def driven(cart, duration, push=None, spoiled=None, has_velocity=False):
     return np.array(errors), healths
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("has_velocity", [False, True])
 def test_a_push_from_outside_leaves_no_belief_behind(has_velocity):
     """It was metres off, and for ten seconds, on casters alone."""

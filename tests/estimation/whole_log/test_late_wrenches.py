@@ -12,7 +12,7 @@ from estimation.whole_log.identification import identify
 from ..sensor_check.logs import cart_of, two_hands
 
 
-@pytest.mark.some(2)
+@pytest.mark.some(1)
 @pytest.mark.parametrize("lag", [-0.06, 0.02, 0.05])
 def test_late_wrenches_are_no_drag(lag):
     """Wrenches that come late by as much as filters and clocks make them. Before, of 50 ms, drags were told that were
