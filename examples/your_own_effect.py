@@ -28,7 +28,7 @@ class EddyBrake(ForceEffect):
         return Contribution(value[..., 0], by_velocity=by_velocity, by_parameters=by_parameters)
 
 
-record = scenario(plant="model").run()  # stands in for your robot
+record = scenario(quick=True, plant="model").run()  # stands in for your robot
 log, heading = record.log, record.log.pose[:, 2]
 assert log.velocity is not None
 u = np.cos(heading) * log.velocity[:, 0] + np.sin(heading) * log.velocity[:, 1]

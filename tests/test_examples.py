@@ -1,5 +1,6 @@
 """Every example ends and keeps its claim."""
 
+import runpy
 import subprocess
 import sys
 from pathlib import Path
@@ -17,7 +18,16 @@ def run(arguments):
 
 
 @pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
-def test_example_keeps_its_claim(example):
+def test_example_keeps_its_claim(example, capsys, monkeypatch):
+    monkeypatch.chdir(ROOT)
+    monkeypatch.setattr(sys, "argv", [str(example)])
+    runpy.run_path(str(example), run_name="__main__")
+    assert capsys.readouterr().out.strip(), "an example prints what it shows"
+
+
+@pytest.mark.some(1)
+@pytest.mark.parametrize("example", EXAMPLES, ids=lambda path: path.stem)
+def test_example_keeps_its_claim_in_a_process_of_its_own(example):
     done = run([str(example)])
     assert done.returncode == 0, done.stderr
     assert done.stdout.strip(), "an example prints what it shows"

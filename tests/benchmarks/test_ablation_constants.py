@@ -87,6 +87,7 @@ def everywhere():
     return {name: module for name, module in list(sys.modules.items()) if name.split(".")[0] == "estimation"}
 
 
+@pytest.mark.some(40)
 @pytest.mark.parametrize("constant", ABLATED, ids=lambda c: f"{c.full_name}")
 def test_a_patched_constant_is_another_in_every_module(constant):
     """Found by the objects themselves, not by what sources import: all that was the constant, by its name."""

@@ -5,6 +5,7 @@ import pytest
 from benchmarks.filter_pushes import CONTROL_PERIOD, KINDS, RAMP, drive
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("kind", [kind for kind in KINDS if kind != RAMP])
 def test_what_is_told_at_the_end_is_so(kind):
     run = drive(900, kind)

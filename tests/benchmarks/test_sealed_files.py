@@ -135,6 +135,7 @@ def test_the_cart_meets_its_carpet(seed):
     assert 0.08 < inside.mean() < 0.7
 
 
+@pytest.mark.some(6)
 @pytest.mark.parametrize("name", VOCABULARY)
 def test_a_refit_begins_at_the_truth(name):
     """At each of its values, of the arm that is meant."""

@@ -20,6 +20,7 @@ def seen(scene):
     return states[:, :6], noiseless(scene.sensors, scene.drive, present, told)
 
 
+@pytest.mark.some(5)
 @pytest.mark.parametrize(
     "case",
     [

@@ -31,6 +31,7 @@ def test_the_right_map_reads_what_was_true(tmp_path, seed):
         assert np.allclose(arm.contact, hand.contact, atol=1e-5)
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("seed", SEEDS)
 def test_proposals_are_right_and_never_wrong_in_silence(tmp_path, seed):
     judged = judge(write(tmp_path / "run", seed), tmp_path)

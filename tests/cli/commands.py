@@ -2,6 +2,8 @@
 
 from __future__ import annotations
 
+import contextlib
+import io
 import json
 import os
 import re
@@ -126,6 +128,14 @@ def run(capsys, *arguments):
     status = main([str(a) for a in arguments])
     captured = capsys.readouterr()
     return Answer(status, captured.out, PROGRESS.sub("", captured.err))
+
+
+def run_quietly(*arguments):
+    """Where no `capsys` is, as in fixtures of a module."""
+    out, err = io.StringIO(), io.StringIO()
+    with contextlib.redirect_stdout(out), contextlib.redirect_stderr(err):
+        status = main([str(a) for a in arguments])
+    return Answer(status, out.getvalue(), PROGRESS.sub("", err.getvalue()))
 
 
 def run_apart(*arguments, **environment):

@@ -8,6 +8,8 @@ With the CoM at d = (dx, dy) of {b} and the axle through {b}'s origin, Newton an
 
 from __future__ import annotations
 
+from functools import cache
+
 import numpy as np
 
 MASS, DX, DY, INERTIA, LINEAR, ANGULAR = 24.0, 0.30, 0.05, 2.0, 3.0, 1.2
@@ -26,6 +28,7 @@ def speeds(t, curves):
     return u, r * curves
 
 
+@cache
 def pushed_cart(curves=True, seed=0):
     """Table (n, columns) of HEADER, with noise."""
     rng = np.random.default_rng(seed)
@@ -51,6 +54,7 @@ def pushed_cart(curves=True, seed=0):
         hand[:, 3:6] += rng.normal(0, FORCE_NOISE, (n, 3))
         hand[:, 6:] += rng.normal(0, FORCE_NOISE / 20, (n, 3))
         table = np.column_stack([table, hand])
+    table.flags.writeable = False  # the next one who asks gets the same
     return table
 
 

@@ -52,6 +52,7 @@ def test_late_velocities_are_told_and_stop_nothing(capsys, folder):
     assert document["suspicions"][0]["factor"] == pytest.approx(0.05, abs=0.001)
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("name", ["reversed.csv", "mirrored.csv"])
 def test_a_wrong_sign_stops_unless_accepted(capsys, folder, name):
     status, document, err = checked(capsys, folder, name)
@@ -98,17 +99,19 @@ def test_a_picture(capsys, folder):
 
 @pytest.mark.some(1)
 @pytest.mark.parametrize("command", ["estimate", "identify"])
-def test_what_learns_begins_with_a_look(capsys, folder, command):
+def test_what_learns_begins_with_a_look(capsys, tmp_path, command):
     """In few lines, or under a key of its JSON, with the same words as `check`."""
-    cart = "--cart", folder / "cart.yaml"
-    shown = run(capsys, command, folder / "late.csv", *cart)
-    document = checked(capsys, folder, "late.csv")[1]
+    cart, log = ("--cart", tmp_path / "cart.yaml"), tmp_path / "late.csv"
+    (tmp_path / "cart.yaml").write_text(CART, encoding="utf-8")
+    write_log(late(two_hands(0, duration=15.0), 0.05), log)
+    shown = run(capsys, command, log, *cart)
+    document = checked(capsys, tmp_path, "late.csv")[1]
     head = shown.err.splitlines()
-    assert head[0].startswith(f"{folder / 'late.csv'}: {document['rows']} rows over 40.0 s at 100 Hz")
+    assert head[0].startswith(f"{log}: {document['rows']} rows over 15.0 s at 100 Hz")
     assert "left up to" in head[0]
     for line, one in zip(head[1:], document["suspicions"], strict=False):
         assert line == f"  suspected with {one['probability']:.2f}, {one['kind']}: {one['words']}"
-    answer = run(capsys, command, folder / "late.csv", *cart, "--json")
+    answer = run(capsys, command, log, *cart, "--json")
     assert not set(head) & set(answer.err.splitlines()) - {line for line in head if "first guess stays" in line}
     assert answer.json["checked"] == [document]
 

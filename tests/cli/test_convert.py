@@ -27,6 +27,7 @@ def csv(tmp_path):
     return path
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("method", ["filter", "regressor"])
 def test_estimate_through_mcap_is_estimate(capsys, tmp_path, csv, method):
     """There and back again, and straight from the bag: the same to round-off of times, headings and velocities."""

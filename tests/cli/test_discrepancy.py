@@ -17,7 +17,7 @@ from cartgrasp.cli.log_inputs import Sources
 from cartgrasp.effects import KNOWN_EFFECTS
 from cartgrasp.logs import read_log, write_log
 
-from .commands import run, run_apart
+from .commands import run, run_quietly
 
 KEYS = {"verdict", "where", "effects", "parameter_mismatch", "unexplained", "gap", "steps"}
 EFFECT_KEYS = {"name", "probability", "parameters", "confusable_with", "gap_share"}
@@ -58,12 +58,12 @@ def diagnose(capsys, tmp_path, sealed):
 
 @pytest.fixture(scope="module")
 def made(tmp_path_factory, sealed):
-    """One run in a process of its own, of a log and a cart with unpleasant names."""
+    """One run, of a log and a cart with unpleasant names."""
     folder = tmp_path_factory.mktemp("made")
     log = log_file(folder, sealed.table, f"{SCRIPT}.csv")
     cart = folder / "cart.yaml"
     cart.write_text(sealed.cart.replace("name: cart", f'name: "{SCRIPT}"'), encoding="utf-8")
-    answer = run_apart("discrepancy", log, "--cart", cart, "--out", folder / "deep" / "out", "--json")
+    answer = run_quietly("discrepancy", log, "--cart", cart, "--out", folder / "deep" / "out", "--json")
     return SimpleNamespace(answer=answer, out=folder / "deep" / "out", log=log)
 
 
@@ -115,13 +115,21 @@ def test_the_document_is_the_contracts(made):
     assert all({"name", "score", "verdict"} <= set(c) for step in document["steps"] for c in step["candidates"])
 
 
-def test_the_terminal_tells_the_cart_and_what_was_added(capsys, monkeypatch, made):
-    """The same numbers as the document."""
+def test_the_terminal_tells_the_cart_what_was_added_and_what_to_do_next(capsys, monkeypatch, tmp_path, sealed):
+    """The same numbers as the document. A cart without wheels is told to list them; the motion to run next can be
+    written, unless it was."""
     monkeypatch.setenv("COLUMNS", "120")
-    answer = run(capsys, "discrepancy", made.log, "--cart", made.log.parent / "cart.yaml")
+    log, out = log_file(tmp_path, sealed.table), tmp_path / "out"
+    cart = re.sub(r"\nwheels:\n( .*\n|-.*\n)*", "\n", sealed.cart)
+    (tmp_path / "cart.yaml").write_text(cart, encoding="utf-8")
+    answer = run(capsys, "discrepancy", log, "--cart", tmp_path / "cart.yaml", "--out", out)
+    assert answer.status == 0
+    assert "lists no wheels" in answer.out
+    assert "next.yaml" in answer.out
+    document = json.loads((out / "report.json").read_text(encoding="utf-8"))
     rows = [line.split() for line in answer.out.splitlines()]
     (mass,) = (row for row in rows if row[:1] == ["mass"])
-    told, (effect,) = made.answer.json["parameter_mismatch"]["mass"], made.answer.json["effects"]
+    told, (effect,) = document["parameter_mismatch"]["mass"], document["effects"]
     assert [float(cell) for cell in mass[1:4]] == pytest.approx(
         [told[k] for k in ("nominal", "refitted", "std")], rel=0.05
     )
@@ -159,6 +167,7 @@ def test_the_page_opens_offline_and_runs_nothing(made):
     assert "<svg" in page
 
 
+@pytest.mark.prove
 def test_samples_that_are_missing(diagnose, sealed):
     table = spoiled(sealed.table, slice(300, 360), POSE, "nan")
     answer = diagnose(spoiled(table, slice(1000, 1040), WRENCH, ""))
@@ -295,7 +304,7 @@ def test_a_study_goes_on_where_it_was(capsys, tmp_path, sealed, made):
     before = report.stat().st_mtime_ns
     shutil.rmtree(bad.parent)
     shutil.rmtree(two.parent)
-    again = run_apart("study", "discrepancy", tmp_path, "--jobs", "2")
+    again = run(capsys, "study", "discrepancy", tmp_path, "--jobs", "2")
     assert again.status == 0, again.err
     assert "rolling_resistance" in again.out
     assert report.stat().st_mtime_ns == before
@@ -321,14 +330,3 @@ def test_a_reader_that_goes_away_loses_no_report(monkeypatch, tmp_path):
     with pytest.raises(BrokenPipeError):
         discrepancy.run(Sources((log_file(tmp_path, []),)), tmp_path, as_json=True)
     assert saved == [tmp_path]
-
-
-def test_what_to_do_next_stands_in_the_terminal(capsys, tmp_path, sealed):
-    """A cart without wheels is told to list them; the motion to run next can be written, unless it was."""
-    log = log_file(tmp_path, sealed.table)
-    cart = re.sub(r"\nwheels:\n( .*\n|-.*\n)*", "\n", sealed.cart)
-    (tmp_path / "cart.yaml").write_text(cart, encoding="utf-8")
-    told = run(capsys, "discrepancy", log, "--cart", tmp_path / "cart.yaml")
-    assert told.status == 0
-    assert "lists no wheels" in told.out
-    assert "next.yaml" in told.out

@@ -138,7 +138,7 @@ def test_a_cart_that_no_file_can_be(capsys, tmp_path, name):
     run(capsys, "plan", path).refused(2)
 
 
-def test_json_is_ascii_where_stdout_is(tmp_path):
+def test_json_is_ascii_where_stdout_is(capsys, tmp_path):
     log = tmp_path / "run.csv"
     arm = [f"left.{c}" for c in ("px", "py", "pz", "fx", "fy", "fz", "tx", "ty", "tz")]
     lines = [",".join(["t", "x", "y", "theta", *arm])]
@@ -146,7 +146,7 @@ def test_json_is_ascii_where_stdout_is(tmp_path):
     log.write_text("\n".join(lines))
     problem_file(tmp_path)
     arguments = ["estimate", log, "--cart", tmp_path / "cart.yaml", "--json"]
-    plain, unicode = run_apart(*arguments, PYTHONIOENCODING="ascii"), run_apart(*arguments)
+    plain, unicode = run_apart(*arguments, PYTHONIOENCODING="ascii"), run(capsys, *arguments)
     assert plain.status == unicode.status == 0
     assert plain.err == unicode.err == ""
     assert plain.out.isascii()
@@ -304,6 +304,7 @@ def test_simulate_keeps_limits_of_the_cart(capsys, monkeypatch, tmp_path):
     assert told[1] > 0.9 * told[0]  # pulls back less
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("way", ["periodic", "least-effort", "teach", "schedule"])
 def test_simulate_chooses_contacts(capsys, monkeypatch, tmp_path, way):
     """Each way says what it does and why; a hand that goes round is logged on its way, with a wrench of zero."""

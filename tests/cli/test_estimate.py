@@ -12,7 +12,7 @@ import pytest
 
 from benchmarks.measured.carts import on_a_rail
 
-from .commands import run, run_apart
+from .commands import run
 from .pushed_cart import DX, DY, HEADER, LINEAR, MASS, as_csv, pushed_cart
 
 GUESS = """\
@@ -90,6 +90,7 @@ def test_errors_are_as_large_as_they_are_said_to_be(capsys, tmp_path):
     assert np.abs(scores).max() < 4.5
 
 
+@pytest.mark.some(1)
 @ONLINE
 def test_a_straight_run_teaches_neither_com_x_nor_inertia(capsys, tmp_path, method):
     found = parameters(estimate(capsys, tmp_path, pushed_cart(curves=False), "--method", method))
@@ -99,11 +100,12 @@ def test_a_straight_run_teaches_neither_com_x_nor_inertia(capsys, tmp_path, meth
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.03)
 
 
+@pytest.mark.some(1)
 @ONLINE
 def test_without_velocity(capsys, tmp_path, weaving, method):
     keep = [i for i, name in enumerate(HEADER) if name not in ("vx", "vy", "omega")]
     found = parameters(
-        estimate(capsys, tmp_path, weaving[:, keep], "--method", method, header=[HEADER[i] for i in keep])
+        estimate(capsys, tmp_path, weaving[::2, keep], "--method", method, header=[HEADER[i] for i in keep])
     )
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.05)
 
@@ -130,7 +132,7 @@ HOLES = {
 }
 
 
-@pytest.mark.some(4)
+@pytest.mark.some(3)
 @ONLINE
 @pytest.mark.parametrize("which", HOLES)
 def test_samples_that_are_missing(capsys, tmp_path, weaving, which, method):
@@ -138,10 +140,11 @@ def test_samples_that_are_missing(capsys, tmp_path, weaving, which, method):
     assert found["mass"]["value"] == pytest.approx(MASS, rel=0.1)
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("method", ["filter", "regressor", "paper"])
 def test_a_gap_of_three_seconds(capsys, tmp_path, weaving, method):
     t = weaving[:, 0]
-    answer = estimate(capsys, tmp_path, weaving[(t < 9) | (t > 12)], "--method", method)
+    answer = estimate(capsys, tmp_path, weaving[(t < 9) | (t > 12)][::2], "--method", method)
     found = parameters(answer)
     if method != "paper":
         assert found["mass"]["value"] == pytest.approx(MASS, rel=0.05)
@@ -173,13 +176,14 @@ def test_short_logs(capsys, tmp_path, weaving, rows, method):
 
 
 def test_the_literal_filter(capsys, tmp_path, weaving):
-    answer = estimate(capsys, tmp_path, weaving[:800], "--method", "paper")
+    answer = estimate(capsys, tmp_path, weaving[:300], "--method", "paper")
     assert list(parameters(answer))[:4] == PARAMETERS[:4]
     assert answer.json["health"] in ("paper_literal", "diverged")
     rail = GUESS.replace("{x: 0.0}\n", "{x: 0.0}\n  - no_rotation: {}\n")
     estimate(capsys, tmp_path, weaving[:9], "--method", "paper", cart=rail).refused(2, "one rolling constraint")
 
 
+@pytest.mark.some(3)
 @pytest.mark.parametrize(
     "structure", ["[]", "[no_lateral_slip: {x: 0.1}]", "[no_lateral_slip: {x: 0}, no_rotation: {}]"]
 )
@@ -231,6 +235,7 @@ def test_refusals_are_one_line(capsys, tmp_path, weaving):
     run(capsys, "estimate", tmp_path / "no.mat").refused(3, "no.mat", "no such file")
 
 
+@pytest.mark.some(8)
 @pytest.mark.parametrize("scale", [1e12, 1e100, 1e160, 1e300])
 @pytest.mark.parametrize("columns", ["pose", "velocity", "wrench", "contact"])
 def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
@@ -246,7 +251,7 @@ def test_numbers_beyond_reason(capsys, tmp_path, weaving, scale, columns):
             answer.refused(3, tmp_path / "run.csv")
 
 
-@pytest.mark.some(8)
+@pytest.mark.some(4)
 @pytest.mark.parametrize("value", ["1.0e-300", "1.0e-9", "1.0e+5", "1.0e+9", "1.0e+15", "1.0e+300"])
 @pytest.mark.parametrize("key", ["mass: 18.0", "inertia: 1.5", "linear: 2.0", "angular: 1.0", "0.20"])
 def test_a_cart_beyond_reason(capsys, tmp_path, weaving, key, value):
@@ -278,19 +283,17 @@ def test_a_person_who_leans_teaches_nothing(capsys, tmp_path):
     """On a rolling wheelchair no rigid body fits force and motion (the data's README): the filter says so, and why."""
     cart = tmp_path / "cart.yaml"
     on_a_rail("wheelchair", 110.0, 2.0).save(cart)
-    found = run(capsys, "estimate", WHEELCHAIR, "--cart", cart, "--json")
-    assert found.json["health"] == "inconsistent"
-    assert not any(one["identifiable"] for one in found.json["parameters"].values())
-    shown = run(capsys, "estimate", WHEELCHAIR, "--cart", cart)
+    shown = run(capsys, "estimate", WHEELCHAIR, "--cart", cart, "--out", tmp_path / "series.csv")
+    assert (tmp_path / "series.csv").read_text(encoding="utf-8").splitlines()[-1].endswith(",inconsistent")
     assert "does not fit this log, so it taught nothing" in shown.out
     assert " yes\n" not in shown.out
     assert "mass is not identifiable" not in shown.out
 
 
 @pytest.mark.skipif(not EMPS.is_file(), reason=f"the EMPS data set is not at {EMPS}")
-def test_the_real_axis():
+def test_the_real_axis(capsys):
     """Janot, Gautier, Brunot (2019), known from a long fit of all of it: 95.1089 kg, offset 3.16 N."""
-    answer = run_apart("estimate", EMPS, "--json")
+    answer = run(capsys, "estimate", EMPS, "--json")
     found = parameters(answer)
     mass = found["mass"]
     assert abs(mass["value"] - 95.1089) < 2 * mass["std"] < 0.01 * 95.1089

@@ -38,7 +38,7 @@ def asked(capsys, first):
     folder = first.folder
     if not (folder / "out").exists():
         options = "--cart", folder / "cart.yaml", "--out", folder / "out", "--next", folder / "next.yaml"
-        answer = run(capsys, "discrepancy", folder / "one.csv", *options, "--duration", "12", "--json")
+        answer = run(capsys, "discrepancy", folder / "one.csv", *options, "--duration", "8", "--json")
         assert answer.status == 0, answer.err
         assert "reference to run next" in answer.err
     return json.loads((folder / "out" / "report.json").read_text(encoding="utf-8"))
@@ -52,7 +52,7 @@ def test_what_is_run_next_tells_rivals_apart(capsys, first, asked):
     assert HIDDEN in names
     assert len(names) > 2
     reference = read_reference(first.folder / "next.yaml")
-    assert reference.duration <= 12.0
+    assert reference.duration <= 8.0
     told = asked["next_reference"]
     assert reference.says == told["says"]
     assert reference.says in asked["next_experiment"][0]

@@ -14,7 +14,7 @@ from .kills import TRIALS
 @pytest.mark.parametrize(
     "arguments",
     [
-        ["--trials", "3", "topics", "export-c", "convert"],
+        ["--trials", "2", "topics", "export-c", "convert"],
         pytest.param(["--trials", "10"], marks=pytest.mark.prove),
     ],
     ids=" ".join,

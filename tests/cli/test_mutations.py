@@ -83,7 +83,7 @@ def check(answer, statuses, keys):
         answer.refused(answer.status)
 
 
-FUZZ = settings(max_examples=120, suppress_health_check=["function_scoped_fixture"])  # capsys is emptied by hand
+FUZZ = settings(suppress_health_check=["function_scoped_fixture"])  # capsys is emptied by hand
 
 
 @pytest.mark.filterwarnings("ignore:overflow encountered:RuntimeWarning")  # of the planner, from contacts at 1e200 m
@@ -93,7 +93,7 @@ def test_problems(folder, answer, text):
     check(answer("plan", problem_file(folder, text)), (0, 1, 2), {"status", "arms", "certificate"})
 
 
-@settings(FUZZ, max_examples=60)
+@FUZZ
 @given(text=changed_yaml(MORE))
 def test_problems_with_every_key(folder, answer, text):
     check(answer("plan", problem_file(folder, text)), (0, 1, 2), {"status", "arms", "certificate"})
@@ -105,7 +105,7 @@ def test_carts(folder, answer, text):
     check(answer("plan", problem_file(folder, PROBLEM, text)), (0, 1, 2), {"status", "arms"})
 
 
-@settings(FUZZ, max_examples=70)
+@FUZZ
 @given(text=changed_log(), method=st.sampled_from(["filter", "filter", "paper"]))
 def test_logs(folder, answer, text, method):
     problem_file(folder)
@@ -114,7 +114,7 @@ def test_logs(folder, answer, text, method):
     check(answer(*arguments), (0, 3), {"time", "parameters", "health"})
 
 
-@settings(FUZZ, max_examples=80)
+@FUZZ
 @given(text=changed_yaml(CART))
 def test_logs_with_other_carts(folder, answer, text):
     problem_file(folder, PROBLEM, text)

@@ -120,6 +120,7 @@ def optimum(A, b, C, h, weights):
     return float(found.fun)
 
 
+@pytest.mark.some(20)
 @pytest.mark.parametrize("seed", range(51))
 def test_random_problems_reach_the_optimum(capsys, tmp_path, seed):
     rng = np.random.default_rng(seed)

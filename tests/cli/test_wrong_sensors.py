@@ -34,7 +34,7 @@ def _of_cart(log):
 def folder(tmp_path_factory):
     path = tmp_path_factory.mktemp("sensors")
     (path / "cart.yaml").write_text(CART, encoding="utf-8")
-    sound = two_hands(0)
+    sound = two_hands(0, duration=20.0)
     write_log(sound, path / "sound.csv")
     for kind, change in WRONG.items():
         write_log(change(sound), path / f"{kind}.csv")
@@ -45,7 +45,7 @@ def asked(capsys, folder, command, name, *more):
     return run(capsys, command, folder / name, "--cart", folder / "cart.yaml", "--json", *more)
 
 
-@pytest.mark.some(2)
+@pytest.mark.some(1)
 @pytest.mark.parametrize("kind", WRONG)
 def test_the_same_words_as_check(capsys, folder, kind):
     """One line, which names the log and how to accept it; nothing on stdout."""

@@ -15,7 +15,6 @@ import numpy as np
 import pytest
 from hypothesis import assume, given
 from hypothesis import strategies as st
-from numba import njit
 
 from cartgrasp.compiling import digest
 from cartgrasp.contacts import ContactWrenches
@@ -39,6 +38,7 @@ from cartgrasp.model import CartModel
 from cartgrasp.rigid_body import bias_b, mass_matrix_b, regressor_b
 from cartgrasp.simulation.integrate import held, runge_kutta_4
 from cartgrasp.simulation.plant import ModelPlant
+from tests.kernels_called import kept
 
 from .differences import assert_partials
 from .drawn import SHOPPING_CART, inertias, no_wheel_just_lifts, numbers, phis, vectors, velocities, wrenches
@@ -125,7 +125,7 @@ def test_what_parameters_change_alone_is_that_of_all_partials():
 def test_another_packages_kernel_may_call_it():
     """It counts references, as kernels here do not."""
 
-    @njit
+    @kept
     def wrench_after(floats, ints, given, found):
         total = np.zeros(2)
         for _ in range(100):

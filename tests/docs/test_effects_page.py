@@ -17,9 +17,12 @@ SECTIONS = dict(re.findall(r"^## (\w+)\n(.*?)(?=^## )", PAGE, re.MULTILINE | re.
 
 @pytest.fixture(scope="module")
 def pictures():
+    """Drawn of longer steps here."""
     from docs import effect_pictures
 
-    return effect_pictures
+    with pytest.MonkeyPatch.context() as patch:
+        patch.setattr(effect_pictures, "PERIOD", 0.02)
+        yield effect_pictures
 
 
 def section(name):

@@ -211,6 +211,7 @@ def test_one_that_does_not_bounce_is_no_wall():
 # --- the spring ----------------------------------------------------------------------------------------------
 
 
+@pytest.mark.some(3)
 @SIDES
 @pytest.mark.parametrize(("stiffness", "speed"), [(2e4, 1.0), (5e3, 0.5), (1e5, 2.0)])
 def test_a_spring_is_touched_for_half_a_period(stiffness, speed, side):

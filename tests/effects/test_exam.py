@@ -122,7 +122,7 @@ every_change = pytest.mark.parametrize("kind", INERTIA_EFFECTS, ids=title)
 every_constraint = pytest.mark.parametrize("kind", CONSTRAINT_EFFECTS, ids=title)
 every_sensor = pytest.mark.parametrize("kind", SENSOR_EFFECTS, ids=title)
 spatial_wrenches = vectors(6, -80.0, 80.0)
-fewer = settings(max_examples=settings.default.max_examples // 5)
+fewer = settings(max_examples=settings.default.max_examples // 3)
 
 
 def test_the_exam_knows_every_effect():

@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -31,6 +32,7 @@ KNOWN = Prior(known=frozenset({"tool_inertia"}))
 QUIET = SensorNoise(0.0, 0.0, 0.0, 0.0, 0.0, 0.0)
 
 
+@cache
 def log_of(noise, duration=18.0):
     time = STEP * np.arange(round(duration / STEP))
     contacts, given = np.tile(CONTACT, (len(time), 1)), pushes(time)

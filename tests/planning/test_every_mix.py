@@ -111,6 +111,7 @@ def odd_wrench(rng):
     return wrench
 
 
+@pytest.mark.some(30)
 @pytest.mark.parametrize("seed", range(60))
 def test_answers_are_safe_and_true(seed):
     rng = np.random.default_rng(seed)

@@ -72,7 +72,7 @@ def fuzz(seed, calls):
 
 @pytest.mark.long
 def test_fuzzed_calls():
-    counts = fuzz(0, 1000)
+    counts = fuzz(0, 500)
     assert min(counts[status] for status in ("optimal", "infeasible", "invalid_input", "refused construction")) > 10
 
 

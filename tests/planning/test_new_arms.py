@@ -48,6 +48,7 @@ def assert_alike(plan, expected):
         assert wrench == pytest.approx(expected.wrenches[name], abs=1e-4)
 
 
+@pytest.mark.some(15)
 @pytest.mark.parametrize("objective", [None, Smoothness(0.5), LeastInternalForce(2.0)])
 @pytest.mark.parametrize("limits", [(), (Skid(0.05), TipOver(30.0)), (InternalForce(3.0), TipOver(30.0))])
 @pytest.mark.parametrize("new", [FIELDS, ("force",), ("yaw", "force"), ("weights",), ("places", "yaw")])

@@ -124,7 +124,7 @@ CASES = {
 
 @pytest.mark.parametrize("case", CASES)
 def test_both_loops_agree(case):
-    given = scenario(len(case), **{"duration": 4.5, **CASES[case]})
+    given = scenario(len(case), **{"duration": 3.0, **CASES[case]})
     assert covers(given)
     found = compiled_run(given)
     agree(found, given.run())

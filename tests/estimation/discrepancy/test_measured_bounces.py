@@ -17,8 +17,7 @@ OF_VELOCITIES = {variant.name: variant.change for variant in VARIANTS if variant
 pytestmark = pytest.mark.skipif(not DATA.is_dir(), reason="the measured logs are not part of the project")
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
+@pytest.mark.prove
 @pytest.mark.parametrize(
     ("name", "variant"),
     [

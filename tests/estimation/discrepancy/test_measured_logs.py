@@ -64,8 +64,7 @@ def test_three_flights_tell_a_slope_that_closes_the_gap(variant):
     assert "floor_slope" in {effect.name for effect in told_of("sail", 1.0, variant).effects}
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
+@pytest.mark.prove
 @pytest.mark.parametrize("variant", ["x in mm", "x in 5 mm", "at 50 Hz", "first 60 %"])
 def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     """The stroke is all the floor that there is."""
@@ -75,8 +74,7 @@ def test_an_axis_with_two_frictions_is_no_patch_of_floor(variant):
     assert abs(mass.value - 95.1) < 2 * np.hypot(mass.std, 0.25)
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
+@pytest.mark.prove
 @pytest.mark.parametrize("guess", [1 / 3, 1.0, 3.0])
 def test_a_car_whose_wheel_feels_the_force(guess):
     found = told_of("car", guess)

@@ -1,6 +1,7 @@
 """Pushes, offsets and loads that begin, end or grow, in logs of the tests' own: when, how large, and how sure."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -100,6 +101,7 @@ def test_an_offset_that_grows_is_no_offset(grows):
     assert "force_bias" in (effect.name, *effect.confusable_with)
 
 
+@cache
 def load_of(seed):
     """What is told of a load that is put on; the cart with the load on it is by the parallel axis theorem."""
     m, dx, dy, inertia, *drag = ALONE

@@ -20,8 +20,7 @@ def told(log, cart=CART):
     return {effect.name: {k: value for k, (value, _, _) in effect.parameters.items()} for effect in found.effects}
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
+@pytest.mark.prove
 @pytest.mark.parametrize("angle", [0.03, -0.01])
 def test_wheels_at_an_angle_show_sideways(angle):
     found = told(circles(angle))

@@ -164,7 +164,7 @@ def test_noisy_forces_do_not_inflate_the_mass(online):
 
 @pytest.mark.long
 @ONLINE
-@pytest.mark.parametrize("seed", [0, 1])
+@pytest.mark.parametrize("seed", [0, pytest.param(1, marks=pytest.mark.prove)])
 def test_two_noisy_hands_under_feedback(seed, online):
     """4 N of noise on a push of 6 N (rms): once 5-6 % too heavy, and 20 % too much inertia."""
     noise = replace(NOISE, force=3.0, moment=0.15, disturbance=0.06)
@@ -217,7 +217,7 @@ def test_a_load_put_on_is_noticed_and_learned(online):
 
 @pytest.mark.long
 @ONLINE
-@pytest.mark.parametrize("seed", range(3))
+@pytest.mark.parametrize("seed", [0, *(pytest.param(seed, marks=pytest.mark.prove) for seed in (1, 2))])
 def test_survives_what_sensors_do(seed, online):
     """Drop-outs, NaN, outliers, repeated and backward times, a gap: no NaN, a sound covariance, mass still right."""
     log, _ = simulate(TRUTH, 20 + seed, duration=18.0)
@@ -244,6 +244,7 @@ def test_survives_what_sensors_do(seed, online):
     assert estimate.parameters["mass"].value == pytest.approx(24.0, rel=0.1)
 
 
+@pytest.mark.some(4)
 @ONLINE
 @pytest.mark.parametrize("gap", [0.2, 0.36, 0.5, 0.6, 1.0])
 def test_wrenches_alone_tell_no_load(gap, online):

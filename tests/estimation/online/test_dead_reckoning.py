@@ -38,6 +38,7 @@ def driven(blind=lambda time: False, **sampling):
     return off, estimate
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("lasting", [0.3, 1.0])
 def test_a_cart_stays_on_its_path_while_nothing_is_seen(lasting):
     off, estimate = driven(lambda time: 3.0 < time < 3.0 + lasting)

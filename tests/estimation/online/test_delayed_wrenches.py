@@ -78,6 +78,7 @@ def test_late_and_missing_samples_go_on():
 
 
 @pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("delay", [0.055, 0.12])
 def test_a_closed_loop_learns_the_mass(delay):
     """Of sensors that are late, and a filter that is told so, or learns it."""

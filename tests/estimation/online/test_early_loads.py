@@ -42,7 +42,7 @@ def driven(kind, at, mass, seed):
     return told, estimate
 
 
-@pytest.mark.some(6)
+@pytest.mark.some(4)
 @pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
 @pytest.mark.parametrize("at", [0.5, 0.7, 1.0])
 @pytest.mark.parametrize("load", AFTER)

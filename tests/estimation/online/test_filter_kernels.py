@@ -6,7 +6,6 @@ import scipy.linalg
 from hypothesis import given
 from hypothesis import strategies as st
 from hypothesis.extra import numpy as hnp
-from numba import njit
 
 from cartgrasp.effects import CasterRealignment, RollingResistance, ViscousDrag
 from cartgrasp.inertia import Inertia
@@ -26,16 +25,7 @@ seeds = st.integers(0, 2**32 - 1)
 ROOM = 200
 
 
-@njit
-def corrected(mean, own, slopes, beside, where, residual, R):
-    """The NIS."""
-    believed = correction.Believed(mean, own, slopes, beside)
-    return correction.correct(believed, where, residual, R, np.empty(ROOM))
-
-
-@njit
-def eliminated(matrix, right):
-    correction.eliminate(matrix, right)
+eliminated = called(correction.eliminate)
 
 
 def covariance_of(root):
@@ -66,7 +56,7 @@ def test_a_correction_is_conditioning_that_leaves_the_parameters(seed, m):
     gain = np.linalg.solve(S, H @ whole).T
     keep = np.eye(n) - gain @ H
     got = correction.Believed(mean.copy(), own.copy(), slopes.copy(), beside)
-    nis = corrected(*got, (first, m), residual, R)
+    nis = called(correction.correct)(got, (first, m), residual, R, np.empty(ROOM))
     assert nis == pytest.approx(residual @ np.linalg.solve(S, residual), rel=1e-6)
     np.testing.assert_allclose(got.mean, gain @ residual, rtol=1e-6, atol=1e-8)
     np.testing.assert_allclose(got.own, keep @ own @ keep.T + gain @ R @ gain.T, rtol=1e-6, atol=1e-7)
@@ -93,7 +83,7 @@ def test_numbers_that_are_missing_say_nothing(seed, missing):
 
 def test_an_outlier_pulls_but_can_not_tear():
     got = correction.Believed(np.zeros(3), np.eye(3), np.zeros((3, 1)), np.zeros((1, 1)))
-    nis = corrected(*got, (0, 1), np.array([1e4]), np.array([[0.01]]))
+    nis = called(correction.correct)(got, (0, 1), np.array([1e4]), np.array([[0.01]]), np.empty(ROOM))
     assert nis == pytest.approx(1e8 / 1.01, rel=1e-6)
     assert 0 < got.mean[0] < 1e4
     assert got.own[0, 0] > 0.9, "it teaches nearly nothing"

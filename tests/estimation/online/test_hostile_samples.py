@@ -1,6 +1,7 @@
 """Samples late, out of order, of sensors with rates of their own, missing or absurd: flagged, and survived."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -189,26 +190,32 @@ def test_arms_without_a_usable_wrench_are_named(arms, holds, words):
     assert [(one.kind, one.words) for one in estimate.suspicions] == [("missing", words)]
 
 
-@pytest.mark.parametrize("arms", [["left", "right"], ["left"]], ids=["both", "one"])
+@cache
+def estimates_where_arms_tell(number, arms, online):
+    """For 0.7 s, instead of their wrenches."""
+    estimator, found = online(guess(), ["left", "right"], noise=replace(NOISE, force=1.0, moment=0.05)), []
+    for m in simulate_two_hands(TRUTH, 4, duration=3.0).measurements():
+        if 1.0 <= m.time < 1.7:
+            m = replace(m, wrenches={**m.wrenches, **dict.fromkeys(arms, np.full(6, number))})
+        found.append(estimator.update(m))
+    return found
+
+
+@pytest.mark.some(12)
+@pytest.mark.parametrize("arms", [("left", "right"), ("left",)], ids=["both", "one"])
 @pytest.mark.parametrize("size", [-9999.0, 32767.0, 1e5, np.inf])
 @pytest.mark.parametrize("online", [CartFilter, RegressorEstimator, DisturbedFilter])
 def test_what_no_arm_gives_is_no_wrench(online, size, arms):
     """As if nothing had been recorded, to the last bit."""
-    log, found = simulate_two_hands(TRUTH, 4, duration=3.0), []
-    for told in (size, np.nan):
-        estimator = online(guess(), ["left", "right"], noise=replace(NOISE, force=1.0, moment=0.05))
-        for m in log.measurements():
-            if 1.0 <= m.time < 1.7:
-                m = replace(m, wrenches={**m.wrenches, **dict.fromkeys(arms, np.full(6, told))})
-            estimate = estimator.update(m)
-            if 1.65 < m.time < 1.7 and told is size:
-                assert estimate.health == "no_wrench"
-                words = "times the weight of the cart: that is no reading, or it is not in N and N·m"
-                assert [one.where for one in estimate.suspicions if words in one.words] == arms
-        found.append(estimate)
-    assert found[0].health == found[1].health
-    np.testing.assert_array_equal(found[0].model_parameters, found[1].model_parameters)
-    np.testing.assert_array_equal(found[0].motion.pose_sb, found[1].motion.pose_sb)
+    found, unrecorded = (estimates_where_arms_tell(number, arms, online) for number in (size, np.nan))
+    words = "times the weight of the cart: that is no reading, or it is not in N and N·m"
+    for estimate in found:
+        if 1.65 < estimate.time < 1.7:
+            assert estimate.health == "no_wrench"
+            assert [one.where for one in estimate.suspicions if words in one.words] == list(arms)
+    assert found[-1].health == unrecorded[-1].health
+    np.testing.assert_array_equal(found[-1].model_parameters, unrecorded[-1].model_parameters)
+    np.testing.assert_array_equal(found[-1].motion.pose_sb, unrecorded[-1].motion.pose_sb)
 
 
 @ONLINE
@@ -244,7 +251,7 @@ def test_a_time_that_is_refused_blinds_no_watch():
 @ONLINE
 def test_out_of_order_is_as_in_order(online):
     """With the walk of the wrench, too, which the EKF learns from noisy samples."""
-    log, _ = simulate(TRUTH, 3, duration=5.0)
+    log, _ = simulate(TRUTH, 3, duration=3.0)
     samples = list(parted(log))
     random = np.random.default_rng(0)
     arriving = sorted(samples, key=lambda m: m.time + random.uniform(0.0, 0.2))
@@ -395,7 +402,7 @@ def test_nothing_that_a_sensor_says_poisons(online, data):
 @pytest.mark.parametrize("part", ["pose", "velocity"])
 def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
     """1e300 for one sample: what is learned is what is learned where that sample is missing."""
-    log, _ = simulate(TRUTH, 3, duration=8.0)
+    log, _ = simulate(TRUTH, 3, duration=5.0)
     noise = replace(NOISE, force=force, moment=force / 20)
     found = []
     for odd in (np.full(3, 1e300), None):
@@ -413,7 +420,7 @@ def test_a_number_whose_square_overflows_is_no_sample(online, force, part):
 @pytest.mark.parametrize("spike", [150.0, -1e3, 1e6])
 def test_a_wrench_that_jumps_and_comes_back_is_no_sample(online, force, spike):
     """What is learned is what is learned where that sample is missing."""
-    log, _ = simulate(TRUTH, 3, duration=8.0)
+    log, _ = simulate(TRUTH, 3, duration=5.0)
     noise, found = replace(NOISE, force=force, moment=force / 20), []
     for odd in (spike, np.nan):
         learner = online(guess(), noise=noise, prior=KNOWN)
@@ -453,13 +460,12 @@ def test_components_that_push_no_planar_cart_may_jump(online):
 
 
 @ONLINE
-@pytest.mark.parametrize("odd", [np.nan, np.inf])
 @pytest.mark.parametrize("effects", [(), (ContactOffset(0.0, 0.02), ForceMisalignment(0.05))])
-def test_what_pushes_no_planar_cart_may_be_missing(online, effects, odd):
+def test_what_pushes_no_planar_cart_may_be_missing(online, effects):
     """fz, tx, ty and the contact's height: nothing is learned otherwise, nor said of the wrench."""
-    log, _ = simulate(TRUTH, 3, duration=6.0, noise=(0.0004, 0.005, 1.0))
+    log, _ = simulate(TRUTH, 3, duration=4.0, noise=(0.0004, 0.005, 1.0))
     cart, found = CartModel(guess().inertia, effects=(*guess().effects, *effects)), []
-    for value in (0.0, odd):
+    for value in (0.0, np.nan, np.inf):
         learner = online(cart, noise=replace(NOISE, force=1.0, moment=0.05))
         for sample in log.measurements():
             wrenches = {arm: np.array([fx, fy, *[value] * 3, tz]) for arm, (fx, fy, *_, tz) in sample.wrenches.items()}
@@ -467,7 +473,7 @@ def test_what_pushes_no_planar_cart_may_be_missing(online, effects, odd):
             estimate = learner.update(replace(sample, wrenches=wrenches, contacts=contacts))
             assert estimate.health != "no_wrench"
         found.append(estimate.model_parameters)
-    np.testing.assert_array_equal(*found)
+    np.testing.assert_array_equal(found[1:], [found[0]] * 2)
 
 
 @pytest.mark.parametrize("fault", ["not a number", "too large", "frozen", "silent"])

@@ -96,6 +96,7 @@ def test_as_taught(health):
         assert told is known
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("seed", [1, 21])
 def test_steady_motion_makes_no_cart_lighter(seed):
     """On a straight line at one speed, exact wrenches beside noise of the motion tell nothing of a load. Before, odds

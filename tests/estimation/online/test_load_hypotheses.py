@@ -186,7 +186,7 @@ def mass_and_health(told):
     return told[-1].parameters["mass"], [one.health for one in told]
 
 
-@pytest.mark.some(3)
+@pytest.mark.some(1)
 @pytest.mark.parametrize("angle", [0.0, 1.0, math.pi])
 @pytest.mark.parametrize("force", [15.0, 50.0])
 def test_a_push_teaches_no_mass(force, angle):
@@ -213,6 +213,7 @@ def test_a_load_does():
 
 
 @pytest.mark.long
+@pytest.mark.some(1)
 @pytest.mark.parametrize("more", [0.02, 0.04])
 def test_another_floor_teaches_its_resistance_and_no_mass(more):
     """From 7 s on, by a force that nobody gave: coefficient times weight, against the way the cart rolls."""

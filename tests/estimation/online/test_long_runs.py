@@ -56,7 +56,7 @@ def least_eigenvalue(covariance):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("n", [6_000, pytest.param(1_000_000, marks=pytest.mark.prove)])
+@pytest.mark.parametrize("n", [3_000, pytest.param(1_000_000, marks=pytest.mark.prove)])
 def test_covariances_stay_sound(n, record_property):
     estimator, least = online(), 1.0
     for k, measurement in enumerate(walk(n)):
@@ -98,31 +98,31 @@ def test_20_s_of_outliers_pass(fault):
 
 
 def silence(m):
-    return None if 20.0 <= m.time < 21.0 else m
+    return None if 10.0 <= m.time < 11.0 else m
 
 
 def nothing_in_them(m):
-    return Measurement(m.time) if 20.0 <= m.time < 21.0 else m
+    return Measurement(m.time) if 10.0 <= m.time < 11.0 else m
 
 
 def clock_ahead(m):
-    return replace(m, time=m.time + 50.0) if m.time >= 21.0 else m
+    return replace(m, time=m.time + 50.0) if m.time >= 11.0 else m
 
 
 def clock_back(m):
-    return replace(m, time=m.time - 15.0) if m.time >= 21.0 else m
+    return replace(m, time=m.time - 8.0) if m.time >= 11.0 else m
 
 
 @pytest.mark.long
 @pytest.mark.parametrize("fault", [silence, nothing_in_them, clock_ahead, clock_back])
 def test_a_drop_out_and_a_clock_that_jumps_pass(fault):
     estimator = online()
-    for m in samples(1, 32.0):
+    for m in samples(1, 20.0):
         told = fault(m)
         if told is None:
             continue
         estimate = estimator.update(told)
-        if m.time > 26.0:
+        if m.time > 16.0:
             assert_recovered(estimate)
             assert estimate.time == pytest.approx(told.time, abs=1e-6)
 
@@ -142,6 +142,7 @@ def loaded(mass, place):
     return whole, *com.tolist(), about_b - whole * np.dot(com, com), *drags
 
 
+@pytest.mark.some(2)
 @pytest.mark.long
 @pytest.mark.parametrize(("mass", "place"), [(14.0, (0.28, 0.06)), (14.0, (0.0, 0.0)), (-8.0, (0.28, 0.06))])
 def test_a_load_is_noticed_within_2_s_and_learned_within_5(mass, place):
@@ -159,7 +160,7 @@ def test_a_load_is_noticed_within_2_s_and_learned_within_5(mass, place):
 
 
 @pytest.mark.long
-@pytest.mark.parametrize("runs", [10, pytest.param(500, marks=pytest.mark.prove)])
+@pytest.mark.parametrize("runs", [5, pytest.param(500, marks=pytest.mark.prove)])
 def test_quiet_runs_raise_no_alarm(runs, record_property):
     alarms = set()
     for seed in range(runs):

@@ -42,17 +42,17 @@ def samples():
     return list(simulate(PLANT, 3, duration=3.0, noise=(0.0004, 0.005, 1.0))[0].measurements())
 
 
-@pytest.mark.parametrize("part", MALFORMED)
 @pytest.mark.parametrize("which", ESTIMATORS)
-def test_what_is_refused_leaves_no_trace(which, part, samples):
+def test_what_is_refused_leaves_no_trace(which, samples):
     """In time and 0.15 s late, from the first sample on: to the last bit what is told without."""
     asked, spared = ESTIMATORS[which](), ESTIMATORS[which]()
     for k, sample in enumerate(samples):
         if k % 40 == 20 or k == 0:
-            for number, value in enumerate(MALFORMED[part]):
-                wrong = replace(samples[k - 15 if k and number % 2 else k], **{part: value})
-                with pytest.raises(UsageError, match=f"measurement: {part}"):
-                    asked.update(wrong)
+            for part, values in MALFORMED.items():
+                for number, value in enumerate(values):
+                    wrong = replace(samples[k - 15 if k and number % 2 else k], **{part: value})
+                    with pytest.raises(UsageError, match=f"measurement: {part}"):
+                        asked.update(wrong)
         told, expected = asked.update(sample), spared.update(sample)
     np.testing.assert_array_equal(told.model_parameters, expected.model_parameters)
     np.testing.assert_array_equal(told.motion.pose_sb, expected.motion.pose_sb)
@@ -109,7 +109,7 @@ def test_arrays_may_be_filled_anew(which, samples):
     numbers of later ones: 24 kg came out as 21 ± 1.8 with health ok, or nothing fitted."""
     fresh, used = ESTIMATORS[which](), ESTIMATORS[which]()
     pose, velocity, wrench, contact = np.zeros(3), np.zeros(3), np.zeros(6), np.zeros(3)
-    for k, sample in enumerate(samples):
+    for k, sample in enumerate(samples[:150]):
         old = samples[max(k - 8, 0)]
         pose[:], velocity[:] = old.pose, old.velocity
         wrench[:], contact[:] = sample.wrenches["hand"], sample.contacts["hand"]

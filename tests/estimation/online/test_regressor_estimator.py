@@ -226,6 +226,7 @@ def test_noise_in_the_regressors_does_not_make_light(force_noise):
     assert abs(mass.mean[0] - 5.0) < 2.5 * mass.covariance[0, 0] ** 0.5
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("first", [2.5, 5.0, 8.0])
 @pytest.mark.parametrize("force_noise", [0.03, 0.3, 3.0])
 def test_motion_that_hardly_stands_out_of_its_noise_is_unbiased(force_noise, first):

@@ -62,10 +62,10 @@ FAULTS = {
 }
 
 
-@pytest.mark.some(2)
-@pytest.mark.parametrize("every", [1, 5, 10])
+@pytest.mark.some(1)
+@pytest.mark.parametrize("every", [5, 10])
 def test_slow_sensors_are_looked_at_too(every):
-    """At 100, 20 and 10 Hz: at the last each sample brings a row of the regression."""
+    """At 20 and 10 Hz: at the last each sample brings a row of the regression."""
     log = simulate(PLANT, 4, duration=20.0, noise=(0.0004, 0.005, 0.3))[0]
     log = RunLog.from_measurements(list(log.measurements())[::every], ["hand"])
     sound, found = (replay(one, CartFilter(GUESS)).estimates[-1] for one in (log, with_wrenches(log, -1.0)))
@@ -87,7 +87,7 @@ def at_rate(rate, duration=5.0):
     return time, pose, velocity, wrench
 
 
-@pytest.mark.some(5)
+@pytest.mark.some(4)
 @pytest.mark.parametrize("sign", [1.0, -1.0])
 @pytest.mark.parametrize(
     ("rate", "way"),
@@ -120,6 +120,7 @@ def test_a_sign_is_told_however_samples_come(rate, way, sign):
     assert signs == (["wrench"] if sign < 0 else [])
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("wrong", ["left", "right"])
 def test_one_arm_of_two_that_is_reversed_is_told_by_its_name(wrong):
     log = simulate_two_hands(PLANT, 4, duration=10.0)
@@ -168,6 +169,7 @@ def test_a_fault_is_told_within_five_seconds(fault, which):
     assert not any(parameter.identifiable for parameter in at_five.parameters.values())
 
 
+@pytest.mark.some(5)
 @pytest.mark.parametrize("which", KINDS)
 @pytest.mark.parametrize("share", [1 / 3, 1.0, 3.0])
 def test_sound_sensors_are_not_suspected(which, share):
@@ -189,14 +191,14 @@ def test_a_mass_that_the_file_knows_tells_pounds():
 
 @pytest.mark.long
 def test_it_ends_with_the_fault():
-    """Half a minute after a plug was turned."""
-    log = simulate(PLANT, 3, duration=36.0, noise=(0.0004, 0.005, 0.3))[0]
+    """A quarter of a minute after a plug was turned."""
+    log = simulate(PLANT, 3, duration=20.0, noise=(0.0004, 0.005, 0.3))[0]
     arm = log.arms["hand"]
-    sign = np.where(log.time < 6.0, -1.0, 1.0)[:, None]
+    sign = np.where(log.time < 5.0, -1.0, 1.0)[:, None]
     found = replay(
         replace(log, arms={"hand": ArmLog(arm.contact, sign * arm.wrench)}), CartFilter(GUESS, ["hand"], noise=NOISY)
     )
-    assert any(one.suspicions for one in found.estimates if one.time < 6.0)
+    assert any(one.suspicions for one in found.estimates if one.time < 5.0)
     assert not found.last.suspicions
 
 
@@ -286,12 +288,13 @@ def moved(log, jumps):
     return replace(log, pose=log.pose + np.outer(jumps(log.time), [2.0, 1.0, 0.0]))
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("has_velocity", [True, False])
 @pytest.mark.parametrize(("until", "sign"), [(5.01, 1.0), (5.1, 1.0), (99.0, 1.0), (99.0, -1.0)])
 def test_a_tracker_that_jumps_says_nothing_of_wrenches(until, sign, has_velocity):
     """Once, to and fro, or for good. For minutes after a jump of 2 m wrenches had been told to be in kgf, and no sign
     was seen to be reversed."""
-    log = with_wrenches(simulate_two_hands(PLANT, 5, duration=14.0, noise=(0.0005, 0.005, 1.0)), sign)
+    log = with_wrenches(simulate_two_hands(PLANT, 5, duration=11.0, noise=(0.0005, 0.005, 1.0)), sign)
     log = moved(log if has_velocity else replace(log, velocity=None), lambda time: (time >= 5.0) & (time < until))
     found = replay(log, CartFilter(GUESS, ["left", "right"], noise=FilterNoise(force=1.0, moment=0.05))).estimates
     told = {(one.kind, one.where) for estimate in found for one in estimate.suspicions if one.kind != "noise"}

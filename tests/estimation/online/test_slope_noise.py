@@ -6,17 +6,14 @@ import numpy as np
 import pytest
 from hypothesis import given
 from hypothesis import strategies as st
-from numba import njit
 
 from estimation.online.kernels.row_parts import SIGNIFICANCE_SIGMAS
 from estimation.online.kernels.slope_noise import SlopeNoise, without_slope_noise
+from tests.kernels_called import called
 
 from ...core.drawn import vectors
 
-
-@njit
-def told(belief, noise):
-    return without_slope_noise(belief, noise)
+told = called(without_slope_noise)
 
 
 def since(noise, squares, mean, covariance):

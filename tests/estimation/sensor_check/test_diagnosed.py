@@ -53,7 +53,7 @@ def test_late_or_large_velocities_are_told_and_change_no_mass(lag, gain):
 
 @pytest.mark.long
 def test_a_reversed_sensor_is_told_beside_the_verdict_and_not_mended():
-    wrong = with_wrenches(on_rail(), lambda w: -w)
+    wrong = with_wrenches(on_rail(duration=15.0), lambda w: -w)
     diagnosis = diagnose(wrong, RAIL)
     (check,) = diagnosis.checks
     assert found(check.suspicions)["sign", "hand"] > 0.9

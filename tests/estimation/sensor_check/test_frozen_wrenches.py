@@ -51,6 +51,7 @@ def test_what_only_seems_so_is_kept(seed, hold):
         assert frozen_wrench(one) is None
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("arms", [("left",), ("left", "right")])
 def test_a_frozen_sensor_is_told_and_teaches_nothing(arms):
     """Before, units were suspected, and somebody who pushes."""

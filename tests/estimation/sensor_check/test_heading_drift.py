@@ -37,6 +37,7 @@ def test_a_drift_is_found_and_put_back(seed, rate, side):
     assert (said.kind, said.where, said.put_right) == ("offset", "heading", True)
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("case", ["nothing", "lateral_slip", "wheel_misalignment", "pose_offset", "external_push"])
 def test_what_wheels_do_is_no_drift(case):
     for seed in (9920, 9921):

@@ -29,6 +29,7 @@ def measured(name):
     return (read_emps(path) if path.suffix == ".mat" else read_log(path)), one.cart
 
 
+@pytest.mark.some(10)
 @pytest.mark.long
 @pytest.mark.parametrize("name", [log.name for log in LOGS])
 @pytest.mark.parametrize("guess", [0.4, 1.0, 2.5])

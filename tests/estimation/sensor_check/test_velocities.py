@@ -25,7 +25,7 @@ def told(log):
 
 
 @pytest.mark.long
-@settings(max_examples=25)
+@settings(max_examples=12)
 @given(SEEDS, st.floats(-0.1, 0.15), st.floats(0.8, 1.25))
 def test_lag_and_scale_are_found(seed, lag, gain):
     """2 ms and 0.3 % are what a filter needs; the fits tell a fifth of it, and mean it."""
@@ -47,7 +47,7 @@ def test_deviations_are_honest():
 
 
 @pytest.mark.long
-@pytest.mark.some(7)
+@pytest.mark.some(4)
 @pytest.mark.parametrize(
     ("lag", "gain"), [(0.01, 1.0), (0.02, 1.0), (0.05, 1.0), (0.0, 1.03), (0.0, 1.05), (-0.03, 0.96)]
 )
@@ -62,7 +62,7 @@ def test_what_is_wrong_is_told_and_put_right(case, seed, lag, gain):
 
 
 @pytest.mark.long
-@pytest.mark.some(8)
+@pytest.mark.some(4)
 @pytest.mark.parametrize("is_rough", [False, True])
 @pytest.mark.parametrize("seed", range(3))
 @pytest.mark.parametrize("case", ["nothing", "time_delay", "wheel_misalignment", "lateral_slip"])
@@ -74,7 +74,7 @@ def test_nothing_is_told_of_sound_logs(case, seed, is_rough):
 
 
 @pytest.mark.long
-@settings(max_examples=10)
+@settings(max_examples=5)
 @given(SEEDS, st.floats(0.02, 0.1), st.floats(1.03, 1.2))
 def test_put_right_is_as_it_was(seed, lag, gain):
     """With velocities of no noise, cubics between rows give back what was there, but for kinks between rows."""
@@ -119,7 +119,7 @@ def test_velocities_of_another_point_are_no_other_scale():
 
 @pytest.mark.long
 @given(st.integers(0, 2**32 - 1), st.floats(2.0, 8.0))
-@settings(max_examples=15)
+@settings(max_examples=8)
 def test_a_speed_that_fades_evenly_tells_no_lag(seed, fading):
     """exp(-(t - lag) / fading) is exp(-t / fading) times a scale: nobody can tell which."""
     time, random = 0.01 * np.arange(2000), np.random.default_rng(seed)
@@ -171,7 +171,7 @@ def test_other_axes_and_units_are_told_with_the_cure_and_left(name):
 
 
 @pytest.mark.long
-@settings(max_examples=8)
+@settings(max_examples=4)
 @given(SEEDS, st.floats(0.7, 1.4))
 def test_scales_are_no_units(seed, gain):
     assert {kind for kind, _ in found(told(of(lambda v: gain * v)(two_hands(seed))))} <= {"scale"}

@@ -95,6 +95,7 @@ def test_what_stands_still_stays_where_coarse_places_say(std):
         assert basis.design(time) @ found == pytest.approx(0.7, abs=0.01 * std)
 
 
+@pytest.mark.some(3)
 @pytest.mark.long
 @pytest.mark.parametrize("with_rate", [False, True])
 @pytest.mark.parametrize("gap", [60.0, 600.0, 6000.0])

@@ -62,6 +62,7 @@ def test_feasible_or_not_agrees_with_highs(seed):
         check_certificate(model, arms, contacts, wrench, found)
 
 
+@pytest.mark.some(100)
 @pytest.mark.parametrize("seed", range(80))
 @pytest.mark.parametrize("beyond", [-1e-6, -1e-9, 1e-7, 1e-6])
 def test_right_at_the_limit_of_what_the_arms_can_do(seed, beyond):

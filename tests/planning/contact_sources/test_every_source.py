@@ -132,6 +132,7 @@ def test_hands_stay_where_a_source_begins_at_the_end_of_the_path(way):
             assert all(np.array_equal(found[name], held[name]) for name in held)
 
 
+@pytest.mark.some(5)
 @pytest.mark.parametrize("force", [80.0, 1.0])
 def test_hands_keep_their_distance_from_the_first_choice_on(way, force):
     """Also where the first candidates do not, and where nothing can drive the path."""

@@ -39,7 +39,7 @@ def check(arms, plan, model, wrench, distance=0.0):
 
 
 @pytest.mark.long
-@pytest.mark.some(30)
+@pytest.mark.some(15)
 @pytest.mark.parametrize("seed", range(60))
 def test_points_against_brute_force(seed):
     rng = np.random.default_rng(seed)
@@ -55,6 +55,7 @@ def test_points_against_brute_force(seed):
         check(arms, plan, model, wrench, distance)
 
 
+@pytest.mark.some(10)
 @pytest.mark.parametrize("objective", [Smoothness(2.0), LoadShare({"arm0": 0.6, "arm1": 0.4}, 5.0)])
 @pytest.mark.parametrize("seed", range(10))
 def test_points_against_brute_force_for_other_objectives(seed, objective):
@@ -93,7 +94,7 @@ def test_more_arms_than_one_table_holds():
 
 
 @pytest.mark.long
-@pytest.mark.some(10)
+@pytest.mark.some(5)
 @pytest.mark.parametrize("seed", range(40))
 def test_a_segment_against_a_dense_scan(seed):
     rng = np.random.default_rng(seed)

@@ -84,6 +84,7 @@ def test_the_draws_above_meet_their_limits():
     assert all(name in words for name in ("skid", "wheel", "internal force", "joint"))
 
 
+@pytest.mark.some(12)
 @pytest.mark.parametrize("seed", range(12))
 @pytest.mark.parametrize("distance", [0.0, 0.2])
 def test_segments_against_a_dense_scan(seed, distance):

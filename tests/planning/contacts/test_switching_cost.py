@@ -60,7 +60,7 @@ cost = st.floats(0.0, 3e3)
 
 
 @pytest.mark.long
-@settings(max_examples=60, deadline=None)
+@settings(max_examples=30, deadline=None)
 @given(seeds, cost, cost, st.sampled_from([plain, warm]), st.sampled_from([0.0, 0.4]))
 def test_over_points_it_is_the_least_of_all_choices(seed, one, other, make, distance):
     rng = np.random.default_rng(seed)

@@ -136,6 +136,7 @@ def test_the_tracker_uses_a_cart_that_is_known(mass, health, deviation, is_used)
     assert np.allclose(*pushes, atol=1e-9) == is_used
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize("factor", [-1.0, 1e-3], ids=["reversed", "kN"])
 def test_what_wrong_sensors_taught_is_not_acted_on(factor):
@@ -240,6 +241,7 @@ def test_it_stops_where_no_plan_can_be_given_and_says_why():
     assert not made.is_done
 
 
+@pytest.mark.some(1)
 @pytest.mark.long
 @pytest.mark.parametrize(("least", "confidence"), [(15.0, 0.99), (15.0, 0.9999), (35.0, 0.9)])
 def test_margins_that_a_cart_at_rest_breaks_neither_push_nor_bind_it(least, confidence):
@@ -270,7 +272,7 @@ class Leaning:
 
 
 @pytest.mark.long
-@pytest.mark.some(2)
+@pytest.mark.some(1)
 @pytest.mark.parametrize("caution", [None, Caution()])
 @pytest.mark.parametrize("regrasp", [None, RegraspTimes()])
 def test_a_cart_is_braked_where_no_wrench_keeps_its_limits(caution, regrasp):

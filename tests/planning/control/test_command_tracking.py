@@ -118,6 +118,7 @@ def test_arms_that_are_back_give_no_blow(regrasps):
     assert np.linalg.norm(last.step.reference.pose_sb[:2] - last.motion.pose_sb[:2]) < 0.03
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("options", [{}, {"regrasp": None}])
 @pytest.mark.parametrize("names", [("left",), ("left", "right")])
 def test_wrenches_of_arms_that_go_and_come_back_change_no_faster_than_they_may(names, options):

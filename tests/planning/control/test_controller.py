@@ -387,6 +387,7 @@ ROLLING = cg.CartModel(
 )
 
 
+@pytest.mark.some(4)
 @pytest.mark.parametrize("kind", [CartFilter, DisturbedFilter])
 @pytest.mark.parametrize("limits", [{}, {"cart_limits": [Skid(0.5)]}], ids=["free", "skid"])
 @pytest.mark.parametrize(("shift", "lasts"), [(-3600.0, 1000.0), (1e6, 0.005)], ids=["set back", "one stamp ahead"])

@@ -15,7 +15,7 @@ FIRST = {Fault.drawn(np.random.default_rng([seed, 33])).kind: seed for seed in r
 
 
 @pytest.mark.long
-@pytest.mark.some(5)
+@pytest.mark.some(3)
 @pytest.mark.parametrize("kind", KINDS)
 def test_a_fault_is_over_within_two_seconds(kind):
     outcome = quietly(FIRST[kind])

@@ -53,7 +53,7 @@ def spoiled(measured, random):
 
 
 @pytest.mark.long
-@pytest.mark.some(8)
+@pytest.mark.some(5)
 @pytest.mark.filterwarnings("ignore:(invalid value|overflow) encountered:RuntimeWarning")  # of the EKF, by odd numbers
 @pytest.mark.parametrize("way", STRATEGIES)
 @pytest.mark.parametrize("seed", range(3))

@@ -31,6 +31,7 @@ def told_at(controller, times, truth=TRUTH, duration=12.0):
     return driven
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize("options", [{}, {"caution": None}, {"regrasp": None}])
 def test_it_comes_to_rest_along_its_path_and_goes_on(options):
     controller = made(**options)

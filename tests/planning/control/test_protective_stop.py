@@ -27,7 +27,7 @@ from .driving import ticks
 
 
 @pytest.mark.long
-@pytest.mark.some(4)
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("kind", [kind for kind in WRONG if kind != "reversed"])
 def test_for_a_moment_the_cart_stays_on_its_path(kind, name):
@@ -39,7 +39,7 @@ def test_for_a_moment_the_cart_stays_on_its_path(kind, name):
 
 
 @pytest.mark.long
-@pytest.mark.some(4)
+@pytest.mark.some(2)
 @pytest.mark.parametrize("name", FILTERS)
 @pytest.mark.parametrize("kind", [kind for kind in WRONG if kind != "reversed"])
 def test_for_good_the_cart_is_not_driven_away(kind, name):
@@ -58,6 +58,7 @@ def test_without_caution_it_is_driven_there_no_faster_than_errors_reach():
     assert 0.7 < driven("moved", "CartFilter", 100.0, 7.0, None).speed < 0.6 + 1.5 * 0.5 + 0.1
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("slope", [0.0, 0.03, -0.05])
 def test_a_stopped_cart_is_held_on_a_slope(slope):
     """That nobody knows of. Let go by mistake it rolled 34 m; with nothing but braking it crept on for ever."""

@@ -291,6 +291,7 @@ def test_arms_that_tell_in_turn_are_watched_each():
     assert "right" in idle[35]
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize("begins", [3.0, 3.13, 3.26])
 def test_a_hand_stays_for_a_turn_that_begins_and_ends_on_its_way(begins):
     """The turn's onset takes 0.6 s, the regrasp 3.2 s; asked again each 0.2 s, the hand would leave between."""

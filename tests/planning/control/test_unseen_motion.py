@@ -36,6 +36,7 @@ def beside(push, begin, end):
     return spoiled
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize(("push", "seed"), [(30.0, 21), (-30.0, 22), (60.0, 23)])
 def test_nobody_pushes_against_what_has_ended_unseen(push, seed):
     """With that in its prediction a cart was driven at 1 m/s, and turned with 4 rad/s, by 30 N without end."""

@@ -74,7 +74,7 @@ def enumerated(reference, cart, arms, cost, length):
 
 
 @pytest.mark.long
-@settings(max_examples=12)
+@settings(max_examples=6)
 @given(st.integers(0, 2**32 - 1))
 def test_the_optimum_of_every_sequence(seed):
     rng = np.random.default_rng(seed)

@@ -80,6 +80,7 @@ def test_a_program_solved_by_hand(make):
     assert solution.cost == pytest.approx(5)
 
 
+@pytest.mark.some(120)
 @each_solver
 @pytest.mark.parametrize("seed", range(40))
 def test_general_programs_against_cvxpy_and_highs(make, seed):
@@ -92,6 +93,7 @@ def test_general_programs_against_cvxpy_and_highs(make, seed):
         assert solution.x == pytest.approx(reference.x, abs=1e-4)
 
 
+@pytest.mark.some(75)
 @each_solver
 @pytest.mark.parametrize("seed", range(25))
 def test_allocations_against_highs(make, seed):
@@ -103,6 +105,7 @@ def test_allocations_against_highs(make, seed):
     assert solution.status == {0: "optimal", 2: "infeasible"}[oracle(program)]
 
 
+@pytest.mark.some(60)
 @each_solver
 @pytest.mark.parametrize("seed", range(20))
 def test_just_inside_and_just_outside_of_what_arms_can_do(make, seed):

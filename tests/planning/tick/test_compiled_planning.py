@@ -41,6 +41,7 @@ def random_objective(rng, n):
     return [None, None, Smoothness(2.0), share][int(rng.integers(4))]
 
 
+@pytest.mark.some(20)
 @pytest.mark.parametrize("seed", range(60))
 def test_given_contacts_as_on_the_general_road(seed):
     rng = np.random.default_rng(seed)
@@ -122,6 +123,7 @@ def test_choices_against_brute_force_10000_times(switching):
     assert min(statuses.count("optimal"), statuses.count("infeasible")) > 500
 
 
+@pytest.mark.some(10)
 @pytest.mark.parametrize("seed", range(20))
 def test_choices_under_other_objectives(seed):
     rng = np.random.default_rng(seed)

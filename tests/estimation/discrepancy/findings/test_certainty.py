@@ -20,7 +20,7 @@ from estimation.weak_form.band import BAND_MASS_RATIO, Band
 from ...runs import simulate, simulate_two_hands
 from ...weak_form.motions import RAIL, RAIL_MASS, TRUE, cart_of, noisy, on_rail, weaving
 
-DRAWS = 20
+DRAWS = 12
 NAMES = ("mass", "com_x", "com_y", "inertia", "viscous_drag.linear", "viscous_drag.angular")
 
 
@@ -36,7 +36,7 @@ def drawn():
 
 @pytest.mark.long
 def test_deviations_are_those_of_errors(drawn):
-    """Root mean square of errors over deviations told: of 20 draws it scatters by 16 %. They may be told too large by
+    """Root mean square of errors over deviations told: of 12 draws it scatters by 20 %. They may be told too large by
     what a model could leave out (1 % of the wrench), and must not be told too small."""
     values, stds = drawn
     standard = (values - np.array(TRUE)) / stds
@@ -99,6 +99,7 @@ def test_a_drag_at_its_bound_is_not_taught():
     assert told["mass"].identifiable
 
 
+@pytest.mark.some(1)
 @pytest.mark.parametrize(("pose", "velocity", "seed"), [(5e-4, 5e-3, 0), (5e-4, 5e-3, 1), (2e-3, None, 0)])
 def test_a_straight_push_is_not_sure_of_what_it_does_not_show(pose, velocity, seed):
     """Of a cart that hardly turns no row tells CoM and inertia; the noise of its yaw acceleration, as small a body as

@@ -67,6 +67,7 @@ def diagnosed(coulomb, seed, duration):
     return diagnose(simulate_two_hands((*TRUE, coulomb), seed, duration, (5e-4, 5e-3, 1.0)), GUESS)
 
 
+@pytest.mark.some(2)
 @pytest.mark.parametrize(("duration", "seed"), [(4.2, 4), (5.0, 0), (5.0, 2), (8.0, 1)])
 def test_a_short_log_of_a_right_model_does_not_disagree(duration, seed):
     """What the other stretches leave open of the cart takes rollouts farther than noise does: not to be told as what a

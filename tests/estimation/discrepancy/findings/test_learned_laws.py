@@ -21,7 +21,7 @@ from estimation.discrepancy.search.laws import smooth_laws
 from estimation.weak_form.balances import Balances
 
 from ...runs import simulate
-from ..search.test_laws import CART, TRUTH, resisted, rolled
+from ..search.test_laws import CART, TRUTH, resisted, with_the_wheels_turn, without_a_law
 
 BARE = CartModel(Inertia(24.0, (0.28, 0.06), 2.2))
 
@@ -77,15 +77,9 @@ def test_words_can_be_read_aloud():
 @pytest.mark.long
 def test_a_law_stands_in_the_cart_that_is_handed_over_and_comes_back_from_its_file():
     """A flat spot: the extended cart says of its own log that nothing is missing."""
-
-    def force(time, truth):
-        return 4.0 * np.sin(2 * np.pi * rolled(time, truth[:, 3]) / 0.4)
-
-    log = resisted(force, 3, 40.0)
-    found = diagnose(log, CART)
+    (log, found), sound = with_the_wheels_turn(), without_a_law()
     (effect,) = found.effects
     assert effect.name == "learned_force"
-    sound = diagnose(resisted(lambda time, truth: 0.0 * time, 3, 40.0), CART)
     assert found.gap.after <= 1.05 * sound.gap.after  # as far as a model that is right
     assert found.gap.noise_floor == pytest.approx(sound.gap.noise_floor, rel=0.15)
     assert effect.gap_share > 0.5

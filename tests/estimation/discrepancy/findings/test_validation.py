@@ -1,6 +1,7 @@
 """What a search found is upheld only where nothing else is as likely to look like it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -54,11 +55,17 @@ def flat_spot(force):
     return resisted(taken, 3, 90.0, moment=lambda time, truth: -0.2 * taken(time, truth))
 
 
+@cache
+def without_a_law(force):
+    """A model of that log."""
+    return Model.started([Balances.of(flat_spot(force), CART)], CART)
+
+
 @pytest.mark.long
 @pytest.mark.parametrize("force", [0.0, 12.0])
 def test_a_law_stays_unless_stretches_are_foretold_better_without_it(monkeypatch, force):
     """Whatever rollouts add up of what is fast."""
-    nominal = Model.started([Balances.of(flat_spot(force), CART)], CART)
+    nominal = without_a_law(force)
     wheel = LearnedForce(of="travelled_distance", lever=0.2, period=0.45, harmonics=(1, 2, 3, 4))
     found = replace(nominal, laws=(Law.free("of the wheel", wheel),)).refitted(nominal.cart).settled()
     noise = Rollouts(1.01 * held_out_rollouts(nominal).error)
@@ -72,7 +79,7 @@ def test_a_law_stays_unless_stretches_are_foretold_better_without_it(monkeypatch
 
 def test_what_is_farther_off_than_noise_has_to_be_so_surely():
     """A mean of squares over some dozen stretches is known to a tenth or two."""
-    model = Model.started([Balances.of(flat_spot(0.0), CART)], CART)
+    model = without_a_law(0.0)
     error = rollout_error(held_out_rollouts(model))
     assert is_beyond(model, error / 2)
     assert not is_beyond(model, 0.95 * error)

@@ -49,7 +49,7 @@ def braked(time, truth):
     return 80.0 * truth[:, 3] / (1 + (truth[:, 3] / 0.3) ** 2)
 
 
-@pytest.mark.long
+@pytest.mark.prove
 def test_an_effect_of_ones_own_is_named_where_it_explains():
     found = diagnose(resisted(braked, 3, 40.0), CART, candidates=[Bent()])
     assert [effect.name for effect in found.effects] == ["bent_drag"]

@@ -4,6 +4,7 @@ They are put into the wrench of a log of the tests' own: what a hand gives besid
 it."""
 
 from dataclasses import replace
+from functools import cache
 
 import numpy as np
 import pytest
@@ -51,19 +52,35 @@ def law_of(found):
     return effect.as_dict()["law"], effect.law
 
 
-@pytest.mark.long
-@pytest.mark.some(1)
-@pytest.mark.parametrize("is_drag", [False, True])
-@pytest.mark.parametrize("turns_back", [False, True])
-def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
-    """Of the way rolled, which turns back where the cart does, or of the way travelled; a force or a drag."""
+@cache
+def with_the_wheels_turn(is_drag=False, turns_back=True):
+    """A log of a flat spot, or of what resembles one, and its diagnosis."""
 
     def force(time, truth):
         speed = truth[:, 3]
         way = rolled(time, speed if turns_back else np.abs(speed))
         return 4.0 * np.sin(2 * np.pi * way / 0.4) * (np.sign(speed) if is_drag else 1.0)
 
-    law, own = law_of(diagnose(resisted(force, 3, 30.0), CART))
+    log = resisted(force, 3, 30.0)
+    return log, diagnose(log, CART)
+
+
+@cache
+def without_a_law(seed=3):
+    return diagnose(resisted(lambda time, truth: 0.0, seed, 30.0), CART)
+
+
+@pytest.mark.long
+@pytest.mark.parametrize(
+    ("is_drag", "turns_back"),
+    [
+        (False, True),
+        *(pytest.param(*one, marks=pytest.mark.prove) for one in ((False, False), (True, False), (True, True))),
+    ],
+)
+def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back):
+    """Of the way rolled, which turns back where the cart does, or of the way travelled; a force or a drag."""
+    law, own = law_of(with_the_wheels_turn(is_drag, turns_back)[1])
     assert law["of"] == "travelled_distance"
     assert law["acts_on"] == "forward_force"
     assert law["period"]["unit"] == "m"
@@ -74,10 +91,9 @@ def test_a_force_with_the_wheels_turn_is_found_by_its_period(is_drag, turns_back
 
 
 @pytest.mark.long
-@pytest.mark.some(1)
-@pytest.mark.parametrize("seed", [3, 4])
+@pytest.mark.parametrize("seed", [3, pytest.param(4, marks=pytest.mark.prove)])
 def test_without_one_nothing_is_followed(seed):
-    found = diagnose(resisted(lambda time, truth: 0.0, seed, 30.0), CART)
+    found = without_a_law(seed)
     assert found.verdict == "no_discrepancy"
     assert found.unexplained["depends_on"] == []
     assert not any(found.unexplained["size"].values())

@@ -51,6 +51,7 @@ def test_sealed_logs_are_named_exactly(case, seed, motion, tmp_path):
     assert not found.final.laws
 
 
+@pytest.mark.prove
 def test_a_load_that_swings_is_found_in_the_band_that_it_makes_one(tmp_path):
     """In bands above a second it is no longer seen. The wide ones agree with it on the mass, which they tell."""
     (name,) = generate(tmp_path, ["load_slosh"], [8339], "rich")

@@ -78,6 +78,7 @@ UNDER = {
 }
 
 
+@pytest.mark.some(15)
 @pytest.mark.long
 @pytest.mark.parametrize("words", UNDER)
 @pytest.mark.parametrize("size", [4.0, -6.0])
