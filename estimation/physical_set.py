@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from operator import gt, lt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
-
-if TYPE_CHECKING:
-    from scipy.optimize import NonlinearConstraint
 
 MIN_MASS_RATIO, MIN_INERTIA_RATIO = 0.1, 0.05
 BOUND_MARGIN = 1e-6
@@ -100,10 +97,8 @@ class PhysicalSet:
                 return None
         return nearest if self.holds(nearest) else None
 
-    def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
+    def _body(self, phi: Array, lift: Array) -> dict[str, Any]:
         """The constraint on a step that the moment of inertia about the CoM is large enough, by Schur's complement."""
-
-        from scipy.optimize import NonlinearConstraint
 
         def spare(step: Any) -> Array:
             mass, x, y, inertia = phi + lift @ step
@@ -113,7 +108,7 @@ class PhysicalSet:
             mass, x, y, _ = phi + lift @ step
             return np.asarray(np.array([(x * x + y * y) / mass**2, -2 * x / mass, -2 * y / mass, 1.0]) @ lift)
 
-        return NonlinearConstraint(spare, 0.0, np.inf, jac=slope)
+        return {"type": "ineq", "fun": spare, "jac": slope}
 
     def _bounded(self, parameters: Array) -> Array:
         nearest = parameters.copy()
