@@ -124,7 +124,10 @@ class SplineFit:
 
     def _weigh(self, weights: list[Array]) -> None:
         """Takes weights of samples, and works out the normal equations: a matrix in banded form, and its right side."""
-        matrix = np.sum([_squares(*one) for one in zip(self._designs, weights, strict=True)], axis=0)
+        squares = [_squares(*one) for one in zip(self._designs, weights, strict=True)]
+        of_values = (part for part, one in zip(squares, self._samples, strict=True) if one.derivative == 0)
+        self._weight_of_values = sum(float(part[-1].mean()) for part in of_values)  # on one coefficient
+        matrix = np.sum(squares, axis=0)
         place = np.linspace(-1.0, 1.0, self.basis.count)
         free = np.column_stack([np.ones_like(place), place, place**2])
         self._weights, self._parabolas = weights, (free, _times(matrix, free))
@@ -134,12 +137,6 @@ class SplineFit:
         """Right side (count,) of the normal equations, of values (n,) in place of the samples'."""
         parts = zip(self._designs, self._weights, values, strict=True)
         return np.asarray(sum(design.T @ (weight * value) for design, weight, value in parts))
-
-    @property
-    def _weight_of_values(self) -> float:
-        """The values' weight, without that of rates, on one coefficient."""
-        parts = zip(self._designs, self._samples, self._weights, strict=True)
-        return sum(float(_squares(design, w)[-1].mean()) for design, one, w in parts if one.derivative == 0)
 
     def _robust(self) -> Array:
         """The smooth fit, with samples far from it weighed less, round by round."""
