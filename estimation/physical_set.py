@@ -83,19 +83,27 @@ class PhysicalSet:
         step = _least(metric, *limits)
         nearest = self._bounded(parameters + lift @ step)
         if not self.holds(nearest):
+            size = self._expected_size(metric, step, self._body(parameters[:N_PHI], lift[:N_PHI]))
             found = minimize(  # type: ignore[call-overload]
                 lambda step: float(step @ metric @ step),
-                step,
+                step / size,
                 jac=lambda step: np.asarray(2 * metric @ step),
-                bounds=Bounds(*limits),
-                constraints=self._body(parameters[:N_PHI], lift[:N_PHI]),
+                bounds=Bounds(*(limit / size for limit in limits)),
+                constraints=self._body(parameters[:N_PHI], size * lift[:N_PHI]),
                 method="SLSQP",
                 tol=1e-12,
             )
-            nearest = self._bounded(parameters + lift @ found.x)
+            nearest = self._bounded(parameters + size * lift @ found.x)
             if not found.success:
                 return None
         return nearest if self.holds(nearest) else None
+
+    @staticmethod
+    def _expected_size(metric: Array, step: Array, body: dict[str, Any]) -> float:
+        """About how large the nearest step is: with this one (f,), and straight on by what a body then lacks. Steps of
+        that size have a cost of one, by which SLSQP knows where rounding begins."""
+        lacks, slope = body["fun"](step)[0], body["jac"](step)
+        return float(np.sqrt(step @ metric @ step + lacks**2 / (slope @ slope)))
 
     def _body(self, phi: Array, lift: Array) -> dict[str, Any]:
         """The constraint on a step that the moment of inertia about the CoM is large enough, by Schur's complement."""
