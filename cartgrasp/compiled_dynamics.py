@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import math
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Iterator, Sequence
 from itertools import pairwise
 from typing import Any
 
@@ -82,9 +82,17 @@ class CompiledDynamics:
 
     def advanced(self, point: StatePoint, wrench_b: Array, step: Any, n_steps: Any) -> Array:
         """The state (..., n) after classical fourth-order steps (...) under a wrench that is held."""
-        given = self._given(point, _wrench_and_steps(wrench_b, np.stack([step, n_steps], axis=-1)))
-        self._ask(entries.rates, given, 0)
-        return given[..., : self.n_state]
+        return next(self.driven(point, wrench_b[None], step, n_steps))
+
+    def driven(self, point: StatePoint, wrenches_b: Array, step: Any, n_steps: Any) -> Iterator[Array]:
+        """The state (..., n) after each of wrenches (k, ..., 3), which are held as in `advanced`: one array, which may
+        be changed on the way."""
+        given = self._given(point, _wrench_and_steps(wrenches_b[0], np.stack([step, n_steps], axis=-1)))
+        first = self.n_state + 1 + self.n_parameters
+        for wrench_b in wrenches_b:
+            given[..., first : first + 3] = wrench_b
+            self._ask(entries.rates, given, 0)
+            yield given[..., : self.n_state]
 
     def inverse(self, point: StatePoint, acceleration: Array, foreign: Array | None = None) -> tuple[Array, ...]:
         """What `kernels.dynamics.Inverse` holds, with leading axes."""

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Callable, Iterator, Mapping
+from collections.abc import Callable, ItemsView, Iterator, Mapping, ValuesView
 from dataclasses import replace
 from functools import cached_property
 from typing import final
@@ -88,6 +88,12 @@ class LazyParameters(Mapping[str, ParameterEstimate]):
 
     def __len__(self) -> int:
         return len(self._found)
+
+    def values(self) -> ValuesView[ParameterEstimate]:
+        return self._found.values()
+
+    def items(self) -> ItemsView[str, ParameterEstimate]:
+        return self._found.items()
 
     def __repr__(self) -> str:
         return repr(self._found)

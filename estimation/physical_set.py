@@ -10,7 +10,7 @@ import warnings
 from dataclasses import dataclass
 from functools import cached_property
 from operator import gt, lt
-from typing import TYPE_CHECKING, Any
+from typing import Any
 
 import numpy as np
 
@@ -18,9 +18,6 @@ from cartgrasp.errors import DataError
 from cartgrasp.frames import Array
 from cartgrasp.inertia import N_PHI
 from cartgrasp.model import CartModel
-
-if TYPE_CHECKING:
-    from scipy.optimize import NonlinearConstraint
 
 MIN_MASS_RATIO, MIN_INERTIA_RATIO = 0.1, 0.05
 BOUND_MARGIN = 1e-6
@@ -86,24 +83,30 @@ class PhysicalSet:
         step = _least(metric, *limits)
         nearest = self._bounded(parameters + lift @ step)
         if not self.holds(nearest):
+            size = self._expected_size(metric, step, self._body(parameters[:N_PHI], lift[:N_PHI]))
             found = minimize(  # type: ignore[call-overload]
                 lambda step: float(step @ metric @ step),
-                step,
+                step / size,
                 jac=lambda step: np.asarray(2 * metric @ step),
-                bounds=Bounds(*limits),
-                constraints=self._body(parameters[:N_PHI], lift[:N_PHI]),
+                bounds=Bounds(*(limit / size for limit in limits)),
+                constraints=self._body(parameters[:N_PHI], size * lift[:N_PHI]),
                 method="SLSQP",
                 tol=1e-12,
             )
-            nearest = self._bounded(parameters + lift @ found.x)
+            nearest = self._bounded(parameters + size * lift @ found.x)
             if not found.success:
                 return None
         return nearest if self.holds(nearest) else None
 
-    def _body(self, phi: Array, lift: Array) -> NonlinearConstraint:
-        """The constraint on a step that the moment of inertia about the CoM is large enough, by Schur's complement."""
+    @staticmethod
+    def _expected_size(metric: Array, step: Array, body: dict[str, Any]) -> float:
+        """About how large the nearest step is: with this one (f,), and straight on by what a body then lacks. Steps of
+        that size have a cost of one, by which SLSQP knows where rounding begins."""
+        lacks, slope = body["fun"](step)[0], body["jac"](step)
+        return float(np.sqrt(step @ metric @ step + lacks**2 / (slope @ slope)))
 
-        from scipy.optimize import NonlinearConstraint
+    def _body(self, phi: Array, lift: Array) -> dict[str, Any]:
+        """The constraint on a step that the moment of inertia about the CoM is large enough, by Schur's complement."""
 
         def spare(step: Any) -> Array:
             mass, x, y, inertia = phi + lift @ step
@@ -113,7 +116,7 @@ class PhysicalSet:
             mass, x, y, _ = phi + lift @ step
             return np.asarray(np.array([(x * x + y * y) / mass**2, -2 * x / mass, -2 * y / mass, 1.0]) @ lift)
 
-        return NonlinearConstraint(spare, 0.0, np.inf, jac=slope)
+        return {"type": "ineq", "fun": spare, "jac": slope}
 
     def _bounded(self, parameters: Array) -> Array:
         nearest = parameters.copy()

@@ -4,12 +4,14 @@ from __future__ import annotations
 
 import os
 import sys
-from collections.abc import Sequence
+from collections.abc import Callable, Sequence
+from functools import cache
 from pathlib import Path
-from typing import Annotated
+from typing import Annotated, Any
 
 import typer
 from typer.exceptions import TyperException
+from typer.main import get_command
 
 from planning.contact_sources.strategies import Strategy
 
@@ -277,11 +279,17 @@ def warm_up(json: Json = False) -> None:
     raise typer.Exit(command.run(json))
 
 
+@cache
+def whole_command() -> Callable[..., Any]:
+    """All commands as typer makes them of their signatures."""
+    return get_command(app)
+
+
 def main(arguments: Sequence[str] | None = None) -> int:
     """Runs a command; every foreseen error is one line on stderr and an exit status."""
     try:
         with kernel_listener(KernelProgressLines()):
-            status = app(args=arguments, prog_name="cartgrasp", standalone_mode=False)
+            status = whole_command()(args=arguments, prog_name="cartgrasp", standalone_mode=False)
         return int(status or 0)
     except (typer.Abort, KeyboardInterrupt):
         return _say("interrupted", 130)

@@ -121,11 +121,11 @@ def traced(belief: Belief, piece: Piece, begin: Place, hands: Hands, weights: Ar
     time = begin.time + since
     memory = cart.memory_along(pose, nu, time, first=begin.memory)
     state = np.hstack([pose, nu, memory])
-    inverse = cart.inverse(state, nu_rate, time=time)
-    late = np.gradient(inverse.wrench, MANOEUVRE_TIME_STEP, axis=0)
-    value = inverse.wrench - late * np.mean([cart.lateness(arm) for arm in hands.contacts])
-    slopes = inverse.by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
-    for arm, recorded in hands.shared(cart, inverse.wrench).items():
+    wrench, by_parameters = cart.inverse_by_parameters(state, nu_rate, time=time)
+    late = np.gradient(wrench, MANOEUVRE_TIME_STEP, axis=0)
+    value = wrench - late * np.mean([cart.lateness(arm) for arm in hands.contacts])
+    slopes = by_parameters - late[..., None] * _lateness_slopes(cart, hands.contacts)
+    for arm, recorded in hands.shared(cart, wrench).items():
         reduced = cart.basis_b.T @ grasp_map_planar(hands.contacts[arm])
         hand = cart.hand_motion(nu, nu_rate, np.asarray(hands.contacts[arm]))
         true, by = cart.corrected_wrench(arm, recorded, hand=hand)

@@ -9,8 +9,9 @@ the mass by its factor, which is weighed with how sure the file's is.
 from __future__ import annotations
 
 import math
-from collections.abc import Iterable, Iterator, Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
+from functools import cache
 from itertools import product
 
 import numpy as np
@@ -80,14 +81,11 @@ class Balance:
     signals: Array
     taken_out: int
 
-    def products(self, readings: Iterable[Reading]) -> tuple[Array, Array, float]:
-        """Signal by signal and by motion (r,), and motion by motion."""
+    def products(self) -> tuple[Array, Array, float]:
+        """Signal by signal and by motion (r,) of each reading, and motion by motion."""
         k, arms = self.signals.shape[:2]
-        flat = self.signals.reshape(k, -1)
+        flat, how = self.signals.reshape(k, -1), _as_read(arms)
         gram, seen = flat.T @ flat, flat.T @ self.motion
-        sound = mountings()[0].taken
-        all_of = np.array([[r.taken if i in r.arms else sound for i in range(arms)] for r in readings])
-        how = all_of.reshape(len(all_of), -1)
         return np.maximum(np.einsum("ri,ri->r", how @ gram, how), 0.0), how @ seen, float(self.motion @ self.motion)
 
     def rows(self, kept: np.ndarray) -> Balance:
@@ -126,7 +124,7 @@ def judged_wrenches(balances: Balances, cart: CartModel) -> tuple[tuple[Suspicio
     readings = _readings(len(balances.wrenches.arms))
     every = [_posterior(one, readings, cart) for one in (known, *_leave_third_out(known))]
     posterior = max(every, key=lambda one: float(one[0]))
-    zz, zy, yy = known[0].products(readings)
+    zz, zy, yy = known[0].products()
     masses = zz / np.where(np.abs(zy) > NEGLIGIBLE_DIRECTION_RATIO * np.sqrt(zz * yy), zy, np.inf)
     told = []
     for i, name in enumerate(balances.wrenches.arms):
@@ -146,11 +144,11 @@ def _posterior(known: KnownBalances, readings: Sequence[Reading], cart: CartMode
     one = np.ones(len(readings))
     rows, floor = forward.scatter()
     usual = -math.log(phi[0]) * one
-    log_evidence, log_gain = gain_evidence(forward.products(readings), rows, usual, LOG_MASS_STD, floor)
+    log_evidence, log_gain = gain_evidence(forward.products(), rows, usual, LOG_MASS_STD, floor)
     for balance, ratio, spread in ((sideways, 1.0, SIDEWAYS_LOG_GAIN_STD), (turning, phi[0] / phi[3], LOG_INERTIA_STD)):
         if balance is not None:
             rows, floor = balance.scatter()
-            products = balance.products(readings)
+            products = balance.products()
             log_evidence = log_evidence + gain_evidence(products, rows, log_gain + math.log(ratio), spread, floor)[0]
     return probabilities(log_evidence, np.array([r.odds for r in readings]))
 
@@ -200,7 +198,8 @@ def _words(kind: str, reading: Reading, masses: tuple[float, float], cart: CartM
     return None, f"{reading.mounting.words}: so wrenches fit the motion; turn the sensor's axes into the contact's"
 
 
-def _readings(arms: int) -> list[Reading]:
+@cache
+def _readings(arms: int) -> tuple[Reading, ...]:
     """Every mounting in every unit, of all arms alike (as one hand set them up) and of each alone; the sound one
     first."""
     every = tuple(range(arms))
@@ -212,7 +211,15 @@ def _readings(arms: int) -> list[Reading]:
             alike = 1 if unit[0] == "N" else sum(other[0] == unit[0] for other in RECORDED_WRENCH_UNITS)
             odds = share * mounting.odds * (1.0 if unit == si else UNIT_ODDS / alike)
             found.append(Reading(group, mounting, unit, odds))
-    return found
+    return tuple(found)
+
+
+@cache
+def _as_read(arms: int) -> Array:
+    """What each reading takes of all arms' components (r, arms * 3 * 8)."""
+    sound, readings = mountings()[0].taken, _readings(arms)
+    found = np.array([[one.taken if i in one.arms else sound for i in range(arms)] for one in readings])
+    return found.reshape(len(found), -1)
 
 
 def balances_of(balances: Balances, cart: CartModel) -> KnownBalances | None:

@@ -13,10 +13,9 @@ from functools import cached_property
 
 import numpy as np
 from scipy.integrate import cumulative_trapezoid
-from scipy.interpolate import BSpline
-from scipy.linalg import cho_solve_banded, cholesky_banded
+from scipy.linalg.lapack import dpbsv
 from scipy.optimize import minimize_scalar
-from scipy.sparse import csr_array, diags_array
+from scipy.sparse import csr_array
 
 from cartgrasp.frames import Array
 
@@ -58,23 +57,23 @@ class SplineBasis:
     def over(cls, first: float, last: float, step: float) -> SplineBasis:
         return cls(first, step, max(int(np.ceil((last - first) / step)), 1) + SPLINE_DEGREE)
 
-    @cached_property
-    def knots(self) -> Array:
-        return np.asarray(self.start + self.step * np.arange(-SPLINE_DEGREE, self.count + 1), dtype=float)
-
     def design(self, time: Array, derivative: int = 0) -> csr_array:
-        """Design matrix (n, count) of the derivative at times (n,) inside the knots."""
-        if derivative == 0:
-            return csr_array(BSpline.design_matrix(time, self.knots, SPLINE_DEGREE))
-        lower = BSpline.design_matrix(time, self.knots[derivative:-derivative], SPLINE_DEGREE - derivative)
-        return csr_array(lower @ self.differences(derivative) / self.step**derivative)
+        """Design matrix (n, count) of the derivative at times (n,) inside the knots, by de Boor's recursion."""
+        place = (time - self.start) / self.step
+        first = np.clip(place.astype(np.intp), 0, self.count - SPLINE_DEGREE - 1)
+        inside, value, nothing = place - first, np.ones((1, len(time))), np.zeros((1, len(time)))
+        for degree in range(1, SPLINE_DEGREE + 1 - derivative):
+            order = np.arange(degree + 1)[:, None]
+            earlier, later = np.concatenate([nothing, value]), np.concatenate([value, nothing])
+            value = ((inside + degree - order) * earlier + (1 + order - inside) * later) / degree
+        for _ in range(derivative):
+            value = np.diff(np.concatenate([nothing, value, nothing]), axis=0) / -self.step
+        return _in_rows(first, value.T, self.count)
 
     def differences(self, order: int) -> csr_array:
         """Matrix (count - order, count) of the coefficients' differences of some order."""
-        found = diags_array(np.ones(self.count), format="csr")
-        for _ in range(order):
-            found = found[1:] - found[:-1]
-        return csr_array(found)
+        first = np.arange(self.count - order)
+        return _in_rows(first, np.tile(np.diff(np.eye(order + 1), order, axis=0), (len(first), 1)), self.count)
 
 
 class SplineFit:
@@ -95,7 +94,7 @@ class SplineFit:
         basis, unseen = self.basis, self._normal[0][-1] == 0
         third, first, bridge = basis.differences(PENALTY_ORDER), basis.differences(1), unseen[1:] & unseen[:-1]
         weight = DIFFERENCE_ROUNDING * float(bridge.sum()) ** 2
-        return _banded((third.T @ third + first.T @ diags_array(weight * bridge) @ first).tocsr(), SPLINE_DEGREE)
+        return _squares(third, np.ones(third.shape[0])) + _squares(first, weight * bridge)
 
     @cached_property
     def _scale(self) -> float:
@@ -107,7 +106,7 @@ class SplineFit:
         one)."""
         matrix = self._normal[0] + self._penalty * self._roughness
         point = self.basis.design(np.array([time]), derivative).toarray()[0]
-        return float(np.sqrt(point @ cho_solve_banded((cholesky_banded(matrix), False), point)))
+        return float(np.sqrt(point @ _by_cholesky(matrix, point)[0]))
 
     def beside(self, time: Array, known: tuple[Array, Array]) -> tuple[Array, float]:
         """Smooth coefficients of what the samples have beside what is `known` of the signal and its rate (n,) at times
@@ -125,9 +124,10 @@ class SplineFit:
 
     def _weigh(self, weights: list[Array]) -> None:
         """Takes weights of samples, and works out the normal equations: a matrix in banded form, and its right side."""
-        matrix = np.zeros((SPLINE_DEGREE + 1, self.basis.count))
-        for design, weight in zip(self._designs, weights, strict=True):
-            matrix += _banded((design.T @ (diags_array(weight) @ design)).tocsr(), SPLINE_DEGREE)
+        squares = [_squares(*one) for one in zip(self._designs, weights, strict=True)]
+        of_values = (part for part, one in zip(squares, self._samples, strict=True) if one.derivative == 0)
+        self._weight_of_values = sum(float(part[-1].mean()) for part in of_values)  # on one coefficient
+        matrix = np.sum(squares, axis=0)
         place = np.linspace(-1.0, 1.0, self.basis.count)
         free = np.column_stack([np.ones_like(place), place, place**2])
         self._weights, self._parabolas = weights, (free, _times(matrix, free))
@@ -137,12 +137,6 @@ class SplineFit:
         """Right side (count,) of the normal equations, of values (n,) in place of the samples'."""
         parts = zip(self._designs, self._weights, values, strict=True)
         return np.asarray(sum(design.T @ (weight * value) for design, weight, value in parts))
-
-    @property
-    def _weight_of_values(self) -> float:
-        """The values' weight, without that of rates, on one coefficient."""
-        parts = zip(self._designs, self._samples, self._weights, strict=True)
-        return float(sum(((design**2).T @ weight).mean() for design, one, weight in parts if one.derivative == 0))
 
     def _robust(self) -> Array:
         """The smooth fit, with samples far from it weighed less, round by round."""
@@ -154,13 +148,15 @@ class SplineFit:
             for design, one in zip(self._designs, self._samples, strict=True):
                 off = np.abs(one.value - design @ coefficients) / one.std
                 weights.append(one.std**-2.0 / np.maximum(off / OUTLIER_SIGMAS, 1.0) ** 2)
+            if all(map(np.array_equal, weights, self._weights)):
+                break
             self._weigh(weights)
         return coefficients
 
     def _solved(self, penalty: float, right: Array) -> Array:
         parabola, rest = self._without_parabola(right)
         matrix = self._normal[0] + penalty * self._roughness
-        return np.asarray(parabola + cho_solve_banded((cholesky_banded(matrix), False), rest))
+        return np.asarray(parabola + _by_cholesky(matrix, rest)[0])
 
     def _without_parabola(self, right: Array) -> tuple[Array, Array]:
         """Coefficients (count,) of the parabola that fits best, which no penalty changes, and the right side (count,)
@@ -176,9 +172,8 @@ class SplineFit:
 
         def misfit(decade: float) -> float:
             penalty = scale * 10.0**decade
-            root = cholesky_banded(matrix + penalty * self._roughness)
-            explained = right @ cho_solve_banded((root, False), right)
-            return float(2 * np.log(root[-1]).sum() - free * np.log(penalty) - explained)
+            found, root = _by_cholesky(matrix + penalty * self._roughness, right)
+            return float(2 * np.log(root).sum() - free * np.log(penalty) - right @ found)
 
         decade = float(minimize_scalar(misfit, bounds=(MIN_PENALTY_DECADES, stiffest), method="bounded").x)
         return float(scale * 10.0**decade)
@@ -237,10 +232,28 @@ def _times(banded: Array, columns: Array) -> Array:
     return np.asarray(found)
 
 
-def _banded(matrix: csr_array, width: int) -> Array:
-    """Upper banded form (width + 1, n) of a symmetric matrix, as scipy's banded solvers take it."""
-    n = matrix.shape[0]
-    found = np.zeros((width + 1, n))
-    for k in range(min(width + 1, n)):
-        found[width - k, k:] = matrix.diagonal(k)
+def _by_cholesky(matrix: Array, right: Array) -> tuple[Array, Array]:
+    """Solution (n,) for a positive definite matrix in upper banded form, and the diagonal (n,) of its Cholesky root."""
+    root, found, flaw = dpbsv(matrix, right)
+    if flaw or not np.isfinite(found).all():
+        raise np.linalg.LinAlgError("a spline's normal equations are not positive definite")
+    return found, root[-1]
+
+
+def _in_rows(first: np.ndarray, values: Array, count: int) -> csr_array:
+    """Rows (n, count) of which each has its values (n, k) side by side, from column `first` (n,) on."""
+    n, k = values.shape
+    columns = first[:, None] + np.arange(k)
+    return csr_array((values.ravel(), columns.ravel(), k * np.arange(n + 1)), shape=(n, count))
+
+
+def _squares(rows: csr_array, weight: Array) -> Array:
+    """Upper banded form (SPLINE_DEGREE + 1, count) of `rows.T @ diag(weight) @ rows`, for rows as `_in_rows` makes
+    them."""
+    n, count = rows.shape
+    values, columns = (part.reshape(n, -1).T for part in (rows.data, rows.indices))
+    found = np.zeros((SPLINE_DEGREE + 1, count))
+    for one, weighed in enumerate(weight * values):
+        for k, (column, value) in enumerate(zip(columns[one:], values[one:], strict=True)):
+            found[SPLINE_DEGREE - k] += np.bincount(column, weighed * value, minlength=count)
     return found

@@ -12,10 +12,8 @@ import sys
 from pathlib import Path
 from typing import NamedTuple
 
-from typer.main import get_command
-
 from cartgrasp.cli import main
-from cartgrasp.cli.app import app
+from cartgrasp.cli.app import whole_command
 
 ROOT = Path(__file__).parents[2]
 PROGRESS = re.compile(r"^.*: (\d+ %, \d+ (s|min) left|\d+ s)\n", re.MULTILINE)
@@ -148,7 +146,7 @@ def run_apart(*arguments, **environment):
 
 def command_tree(command=None, path=()):
     """Every command and group, the whole first: its words and what typer makes of it."""
-    command = command or get_command(app)
+    command = command or whole_command()
     yield path, command
     for name, inner in getattr(command, "commands", {}).items():
         yield from command_tree(inner, (*path, name))

@@ -2,7 +2,7 @@
 
 from __future__ import annotations
 
-from collections.abc import Sequence
+from collections.abc import Iterator, Sequence
 from dataclasses import dataclass
 from functools import partial
 
@@ -81,33 +81,33 @@ def rolled_out(
     cart: CartModel,
     first: np.ndarray,
     driven: ForcedMotion | None = None,
-    after: np.ndarray | None = None,
+    steps: np.ndarray | None = None,
 ) -> Array:
     """Poses (starts, horizons, 3) of a cart from points `first` on; NaN where the log ends before. It starts from the
-    motion that it is `driven` along, by default as the log's forces make it; `after` are steps of the grid in place of
-    the horizons'."""
+    motion that it is `driven` along, by default as the log's forces make it; `steps` of the grid stand in place of the
+    horizons'."""
     motion, side = balances.motion, balances.wrenches.planar(cart)
     driven = ForcedMotion.of(balances, cart) if driven is None else driven
     planar, state = cart.planar_wrench(driven.wrench), balances.state(cart)[first].copy()
     start = np.hstack([driven.pose, driven.velocity])[first]
     state[:, : start.shape[1]] = start
     begin = state[:, :3].copy()
-    ends = (_steps(balances) if after is None else after).tolist()
+    ends = (_steps(balances) if steps is None else steps).tolist()
     found = np.full((len(first), len(ends), 3), np.nan)
     seen = np.append(0, np.cumsum(~balances.wrenches.seen))
     step = _stable_step(balances, cart)
     parameters = np.broadcast_to(cart.parameters, (len(first), len(cart.parameters)))
     count = np.full(len(first), np.ceil(motion.step / step - 1e-9))
-    for k in range(ends[-1]):
-        at = np.minimum(first + k, len(motion.time) - 1)
-        point = state, motion.time[at], parameters
-        push = (planar[at] + planar[np.minimum(at + 1, len(planar) - 1)]) / 2
-        creep = _creep(cart, point, side[at]) * motion.step if cart.slip_compliance else 0.0
-        if cart.is_compiled:
-            state = cart.dynamics.advanced(point, push, motion.step / count, count)
-        else:  # effects from outside have no kernel
-            state = runge_kutta_4(partial(_rate, cart, push), motion.time[at], state, motion.step)
-        state[:, :2] += creep
+    at, after = (np.minimum(first + np.arange(k, k + ends[-1])[:, None], len(motion.time) - 1) for k in (0, 1))
+    time, push = motion.time[at], (planar[at] + planar[after]) / 2
+    if cart.is_compiled:
+        states = cart.dynamics.driven((state, time[0], parameters), push, motion.step / count, count)
+    else:  # effects from outside have no kernel
+        states = _integrated(cart, state, time, push, motion.step)
+    for k, moved in enumerate(states):
+        if cart.slip_compliance:
+            moved[:, :2] += _creep(cart, (state, time[k], parameters), side[at[k]]) * motion.step
+        state = moved.copy()
         if k + 1 in ends:
             last = first + k + 1
             inside = last < len(motion.time)
@@ -158,6 +158,13 @@ def _in_body(true: Array, found: Array) -> Array:
     error = (body_to_world(true[..., 2]).mT @ (found - true)[..., None])[..., 0]
     error[..., 2] = wrap_angle(error[..., 2])
     return error
+
+
+def _integrated(cart: CartModel, state: Array, time: Array, push: Array, step: float) -> Iterator[Array]:
+    """States (r, n) after each of wrenches (k, r, 3) that are held for a step (s) from times (k, r) on."""
+    for begin, held in zip(time, push, strict=True):
+        state = runge_kutta_4(partial(_rate, cart, held), begin, state, step)
+        yield state
 
 
 def _rate(cart: CartModel, push: Array, time: Array, state: Array) -> Array:
