@@ -1,10 +1,10 @@
 """Signs of wrenches that turn while a cart is pushed: forces of the last seconds, against what rows before them taught
 of the cart's inertia and friction.
 
-Over all rows, it takes until the wrong ones outweigh the others. Each rival explanation of the last rows holds from one
-of them on: the arms' signs have turned, a constant force pushes, as a person or a slope does, or half of the rows are
-off by anything. Errors are normal, but for a few. Rows whose signs have turned are turned back, so that the next are
-held against what sound sensors say.
+Over all rows, it takes until the wrong ones outweigh the others. Rival explanations of the last rows hold from one of
+them on: the arms' signs have turned, or something else pushes half of the time. Or a constant force does so in some of
+them, as a person or a slope has it. Errors are normal, but for a few. Rows whose signs have turned are turned back, so
+that the next are held against what sound sensors say.
 """
 
 from __future__ import annotations
@@ -170,7 +170,7 @@ class _LastRows:
         until = np.cumsum(sound) - sound
         turned = until + _since(np.array(others))
         disturbed = until + _since(_mixture(*pair, DISTURBED_FRACTION)[0])
-        likeliest = np.array([(until + self._with_force(left)).max(), disturbed.max(), *turned.max(axis=1)])
+        likeliest = np.array([self._with_force(left), disturbed.max(), *turned.max(axis=1)])
         return np.append(sound.sum(), likeliest - math.log(RECENT_ROWS)), turned.argmax(axis=1)
 
     def _log_densities(self, left: Array) -> tuple[Array, Array]:
@@ -179,14 +179,23 @@ class _LastRows:
         near, far = (-0.5 * (left**2 / one + np.log(one)).sum(axis=-2) for one in (self.variance, pushed))
         return near, far
 
-    def _with_force(self, left: Array) -> Array:
-        """Log-likelihoods (n,) of a constant force from each row on."""
+    def _with_force(self, left: Array) -> float:
+        """The log-likelihood of a constant force in the likeliest span of rows."""
+        n, (first, last) = len(self.speed), np.triu_indices(len(self.speed))
         weights = self.speed / (ROWS_PER_INDEPENDENT_ROW * self.variance)
-        known = _since(weights * self.speed) + 1.0 / self.push
-        force = _since(weights * left) / known  # (f, n), by the row with which it begins
-        found = _mixture(*self._log_densities(left - force.T[..., None] * self.speed), OUTLIER_FRACTION)
+        known = _spans(weights * self.speed, first, last) + 1.0 / self.push
+        force = _spans(weights * left, first, last) / known  # (f, spans)
+        inside = (first[:, None] <= np.arange(n)) & (np.arange(n) <= last[:, None])
+        pushed = force.T[..., None] * (inside * self.speed)[:, None]
+        found = _mixture(*self._log_densities(left - pushed), OUTLIER_FRACTION).sum(axis=1)
         occam = -0.5 * (np.log(known * self.push) + force**2 / self.push).sum(axis=0)
-        return np.asarray(np.triu(found).sum(axis=1) + occam)
+        return float((found + occam).max() - math.log(n))
+
+
+def _spans(rows: Array, first: Array, last: Array) -> Array:
+    """Sums of rows (f, n), from each of some first to each of some last."""
+    until = np.cumsum(rows, axis=1)
+    return np.asarray(until[:, last] - until[:, first] + rows[:, first])
 
 
 def _mixture(near: Array, far: Array, outliers: float) -> Array:
