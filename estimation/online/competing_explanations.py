@@ -14,6 +14,8 @@ MIN_EVIDENCE_ROWS, ROWS_PER_INDEPENDENT_ROW = 7.0, 2.0
 """Rows of motion before anything is told, and how many of them count as one: neighbours share blocks."""
 MAX_UNEXPLAINED_FRACTION, MAX_SOUND_RESIDUAL_FRACTION = 0.25, 0.05
 """Share of a motion that the best explanation may leave at most; and that sound sensors may leave without a doubt."""
+RETAINED_PROBABILITY = 0.5
+"""Probability down to which what was told stays so."""
 
 
 def with_block(sums: Sequence[float], more: Sequence[float]) -> tuple[float, ...]:

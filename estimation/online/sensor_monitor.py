@@ -1,10 +1,8 @@
 """Whether sensors mean what they say, while they speak: signs and units that no cart could have, and noise.
 
 Samples are averaged over blocks. Differences of poses are held against velocities and against the way that wheels
-roll, which tells units and signs of poses; the power of the recorded wrenches against what the first guess would take
-on the same way, which tells those of wrenches: a cart takes power to be sped up and gives some back, never the other
-way round, and about as much as it is guessed to, as far as its file knows its mass. Each fault is a rival explanation
-of the same sums, with the odds that `sensor_check` gives it on whole logs.
+roll, which tells units and signs of poses; those of wrenches `wrench_monitor.py` tells. Each fault is a rival
+explanation of the same sums, with the odds that `sensor_check` gives it on whole logs.
 """
 
 from __future__ import annotations
@@ -17,7 +15,6 @@ import numpy as np
 from cartgrasp.frames import Array
 from cartgrasp.model import CartModel
 from cartgrasp.motion import Measurement
-from cartgrasp.rigid_body import mass_matrix_b
 
 from ..noise import FilterNoise
 from ..prior import Prior
@@ -27,15 +24,14 @@ from ..sensor_check.suspicion import REFUSAL_PROBABILITY, Suspicion
 from ..sensor_check.wrench_readings import COMMON_MOUNTING_ODDS, UNIT_ODDS
 from .axle_monitor import AxleMonitor
 from .competing_explanations import (
-    BLOCK_FORGETTING_FACTOR,
     MAX_SOUND_RESIDUAL_FRACTION,
     MAX_UNEXPLAINED_FRACTION,
     MIN_EVIDENCE_ROWS,
+    RETAINED_PROBABILITY,
     CompetingExplanations,
 )
 from .direction_monitor import DirectionMonitor
 from .measured_motion import is_contact
-from .power_balance import PowerBalance
 from .sensor_block import (
     FULL_TURN,
     HEADING_FACTORS,
@@ -48,26 +44,12 @@ from .sensor_block import (
     wrapped,
     wrenches_of,
 )
+from .wrench_monitor import WrenchMonitor
 
-RETAINED_PROBABILITY = 0.5
-"""Probability down to which what was told stays so."""
 MAX_PLAUSIBLE_SPEED = 40.0
 """m/s that no cart goes."""
 LENGTH_UNITS = {"m": 1.0, "mm": 1000.0, "cm": 100.0, "in": 39.37, "ft": 3.2808, "m, reversed": -1.0}
 """What a metre is recorded as."""
-FORCE_UNITS = {"N": 1.0, "lbf": 4.4482216, "kgf": 9.80665, "kN": 1000.0}
-"""N in each unit."""
-FRICTION_LOG_STD = math.log(2.0)
-"""Standard deviation of the logarithm of the friction as guessed, beside that of the mass."""
-UNKNOWN_LOG_VARIANCE = 1e6
-"""Variance of a logarithm that is not known."""
-MIN_MASS_LOG_STD, MIN_POWER_RATIO = 0.02, 1e-9
-"""Deviation of a mass that is known, as scales are; and a share that is none."""
-MIN_CONCLUSIONS_IN_A_ROW = 4
-"""Conclusions in a row, before a unit of force is told: what a gentle run says of the mass wanders for a while."""
-FORCE_UNIT_ODDS = 0.003
-"""Odds of each unit of force: rather less than of a log, as it is asked again and again, and a cart may be three times
-as heavy as it was guessed to be."""
 DEGREES_BEYOND_TURN_ODDS = 100.0
 """Odds of degrees where headings begin beyond a turn: a sensor of radians has to have been turning before."""
 NOISE_AVERAGING_BLOCKS, MIN_NOISE_BLOCKS, MIN_NOISE_RATIO = 16.0, 6.0, 1.5
@@ -83,8 +65,6 @@ class SensorMonitor:
         self._cart, self._yaws = cart, dict(yaws)
         self._takes_all, self._arms = arms is None, tuple(arms or ())
         self._declared = [deviation * deviation + 1e-12 for deviation in (noise.linear_velocity, noise.yaw_rate)]
-        self._spread = math.log1p(float(prior.deviations(cart)[0]) / cart.inertia.mass)
-        self._mass_matrix, self._along = mass_matrix_b(cart.inertia.phi), cart.rolling.along_b
         self._slip = _slip(cart)
         self._contacts: dict[str, Array] = {}
         self.samples = SampleBuffer()
@@ -94,8 +74,8 @@ class SensorMonitor:
         self._first_heading, self._axle, self._direction = math.nan, AxleMonitor(), DirectionMonitor()
         self._lengths = CompetingExplanations((0.0,) * len(LENGTH_UNITS))
         self._fast, self._speed = CompetingExplanations((0.0,)), 0.0  # blocks not too fast, of all; and m/s
-        self._products, self._rows, self._power = np.zeros((2, 2)), 0.0, CompetingExplanations(())
-        self._sure, self._noise_blocks, self._jumps = 0, 0.0, (False, False)  # of the last two ways
+        self._wrenches = WrenchMonitor(cart, noise, prior)
+        self._noise_blocks, self._jumps = 0.0, (False, False)  # of the last two ways
         self._ratios: tuple[float, ...] = (1.0, 1.0)
         self.suspicions: tuple[Suspicion, ...] = ()
         self.noise_factors = np.ones(2)
@@ -149,7 +129,10 @@ class SensorMonitor:
             self._compare_motion(blocks[-2], blocks[-1])
         yield
         if len(blocks) > 2:
-            self._compare_power(blocks)
+            if not any(self._jumps):
+                self._wrenches.compare(*blocks)
+            yield
+            self._wrenches.judge()
             yield
             self._conclude()
 
@@ -188,34 +171,6 @@ class SensorMonitor:
         off_by = [(x / one - u) ** 2 + (y / one - v) ** 2 for one in LENGTH_UNITS.values()]
         self._lengths = self._lengths.and_then(off_by, u * u + v * v)
 
-    def _compare_power(self, blocks: tuple[SensorBlock, ...]) -> None:
-        """Adds products of the power of each arm's recorded wrench and that which inertia and friction of the first
-        guess take on the same way."""
-        first, middle, last = blocks
-        if any(self._jumps) or first.wrenches_b is None or middle.wrenches_b is None or last.wrenches_b is None:
-            return
-        before, after = _twist(first, middle), _twist(middle, last)
-        step = 0.5 * (last.time - first.time)
-        twist = np.array([0.5 * (old + new) for old, new in zip(before, after, strict=True)])
-        rate = np.array([(new - old) / step for old, new in zip(before, after, strict=True)])
-        nu = self._along @ twist
-        state = self._cart.state((*middle.place, middle.headings[0]), nu)
-        needed = self._cart.required_wrench(state, self._along @ rate, time=middle.time)
-        inertial = float(twist @ self._mass_matrix @ rate)
-        friction = float(needed @ nu) - inertial
-        arms = zip(first.wrenches_b, middle.wrenches_b, last.wrenches_b, strict=False)
-        given = [
-            sum([(a + 4.0 * b + c) * speed for a, b, c, speed in zip(*held, twist.tolist(), strict=True)]) / 6.0
-            for held in arms
-        ]
-        powers = np.array([inertial, friction, *given])
-        if len(powers) != len(self._products):
-            self._products, self._rows = np.zeros((len(powers), len(powers))), 0.0
-            self._power = CompetingExplanations(())
-        self._products = BLOCK_FORGETTING_FACTOR * self._products + np.outer(powers, powers)
-        self._rows = BLOCK_FORGETTING_FACTOR * self._rows + 1.0
-        self._power = self._power.and_then((), float(powers @ powers))
-
     # --- what follows ----------------------------------------------------------------------------------------
 
     def _conclude(self) -> None:
@@ -223,7 +178,7 @@ class SensorMonitor:
         if not found:
             found += self._of_axle()
             if self._sideways.left[0] <= MAX_UNEXPLAINED_FRACTION * self._sideways.whole:
-                found += self._of_wrenches()
+                found += self._wrenches.suspicions(self._arms, self.suspicions)
         reported = {(one.kind, one.where) for one in self.suspicions}
         asked = [RETAINED_PROBABILITY if (one.kind, one.where) in reported else REFUSAL_PROBABILITY for one in found]
         kept = [one for one, least in zip(found, asked, strict=True) if one.probability >= least]
@@ -273,67 +228,12 @@ class SensorMonitor:
         if axle is not None and (one := self._axle.suspicion(float(axle), RETAINED_PROBABILITY)) is not None:
             yield one
 
-    def _of_wrenches(self) -> Iterator[Suspicion]:
-        """Suspicions of wrenches, by what the first guess would take for inertia and for friction. Its sign tells of
-        theirs, whatever the sizes; the sizes tell of the unit."""
-        powers = PowerBalance.of(self._products)
-        guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
-        if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
-            return
-        arms = self._arms[: len(self._products) - 2]
-        shares = [powers.left(sign, self._power.rows) for sign in (1.0, -1.0)]
-        if len(arms) > 1:
-            shares += [PowerBalance.of(self._products, k).left(1.0, self._power.rows) for k in range(len(arms))]
-        odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
-        _, *wrong = probabilities(
-            np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._power.rows).evidence), odds
-        ).tolist()
-        if sum(wrong) > RETAINED_PROBABILITY:  # the likeliest stands for all
-            where = ("wrench", *arms)[wrong.index(max(wrong))]
-            words = "wrenches work against the cart: they are its own on the hands, or their sign is reversed"
-            of_one = f"{where}: its wrench works against the cart while others push: its sign is reversed"
-            yield Suspicion("sign", where, sum(wrong), -1.0, words if where == "wrench" else of_one)
-            if where != "wrench":
-                return
-        scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
-        sound, *units = probabilities(scales, np.array([1.0, *[FORCE_UNIT_ODDS] * (len(FORCE_UNITS) - 1)])).tolist()
-        self._sure = self._sure + 1 if sound < 1.0 - REFUSAL_PROBABILITY else 0
-        stays = any(one.kind == "unit" and one.where == "wrench" for one in self.suspicions)
-        if self._sure >= MIN_CONCLUSIONS_IN_A_ROW or (stays and sound < 1.0 - RETAINED_PROBABILITY):
-            name = list(FORCE_UNITS)[1 + units.index(max(units))]
-            size = f"{abs(pull) / guessed:.2g} times what the first guess takes"
-            words = f"wrenches are {size}: they seem to be in {name}, not N"
-            yield Suspicion("unit", "wrench", sum(units), FORCE_UNITS[name], words)
-
-    def _logs_of_units(self, powers: PowerBalance, sign: float) -> list[float]:
-        """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
-        (moved, moved_by), (rubbed, rubbed_by) = powers.shares(sign, self._rows)
-        of_mass = self._spread**2 + MIN_MASS_LOG_STD**2
-        first, last = of_mass + UNKNOWN_LOG_VARIANCE, of_mass + UNKNOWN_LOG_VARIANCE
-        if moved > MIN_POWER_RATIO:
-            first = of_mass + min((moved_by / moved), UNKNOWN_LOG_VARIANCE) ** 2
-        if rubbed > MIN_POWER_RATIO:
-            last = of_mass + FRICTION_LOG_STD**2 + min(rubbed_by / rubbed, UNKNOWN_LOG_VARIANCE) ** 2
-        size, found = first * last - of_mass**2, []
-        for unit in FORCE_UNITS.values():
-            x, y = (math.log(share * unit) if share > MIN_POWER_RATIO else 0.0 for share in (moved, rubbed))
-            found.append(-0.5 * (last * x * x - 2.0 * of_mass * x * y + first * y * y) / size)
-        return found
-
     def _of_noise(self) -> Iterator[Suspicion]:
         for where, variance in zip(("velocity", "yaw_rate"), self.noise_factors.tolist(), strict=True):
             if variance > 1.0:
                 times = math.sqrt(variance)
                 words = f"the {where} is {times:.1f} times as noisy as declared, and taken as such"
                 yield Suspicion("noise", where, 1.0, times, words)
-
-
-def _twist(first: SensorBlock, last: SensorBlock) -> tuple[float, float, float]:
-    """(u, w, r) of {b}, from poses alone."""
-    span, x, y = last.time - first.time, last.place[0] - first.place[0], last.place[1] - first.place[1]
-    turned = wrapped(last.headings[0] - first.headings[0])
-    cosine, sine = math.cos(first.headings[0] + 0.5 * turned), math.sin(first.headings[0] + 0.5 * turned)
-    return (cosine * x + sine * y) / span, (cosine * y - sine * x) / span, turned / span
 
 
 def _slip(cart: CartModel) -> list[float] | None:

@@ -132,6 +132,22 @@ def test_one_arm_of_two_that_is_reversed_is_told_by_its_name(wrong):
     assert found[-1].health == Health.INCONSISTENT
 
 
+@pytest.mark.parametrize("wrong", [("right",), ("left", "right")])
+def test_a_sign_that_turns_on_the_way_is_told_until_it_turns_back(wrong):
+    """From 8 to 13 s. That had taken 22 s, or for ever."""
+    log = simulate_two_hands(PLANT, 4, duration=22.0)
+    sign = np.where((log.time >= 8.0) & (log.time < 13.0), -1.0, 1.0)[:, None]
+    arms = {
+        name: ArmLog(arm.contact, sign * arm.wrench if name in wrong else arm.wrench) for name, arm in log.arms.items()
+    }
+    found = replay(replace(log, arms=arms), CartFilter(GUESS, ["left", "right"])).estimates
+    told = {one.time: {s.where for s in one.suspicions if s.kind == "sign"} for one in found}
+    expected = {wrong[0] if len(wrong) == 1 else "wrench"}
+    assert not any(named for time, named in told.items() if time < 8.0)
+    assert all(named == expected for time, named in told.items() if 12.0 < time < 13.0)
+    assert not told[found[-1].time]
+
+
 def test_an_arm_that_comes_later_is_looked_at_from_then_on():
     log = simulate_two_hands(PLANT, 4, duration=12.0)
     cart_filter, found = CartFilter(GUESS), []
