@@ -25,6 +25,7 @@ from .competing_explanations import (
     MIN_EVIDENCE_ROWS,
     ROWS_PER_INDEPENDENT_ROW,
 )
+from .kernels.jit import Indices
 from .power_balance import PowerBalance
 
 RECENT_ROWS = 24
@@ -192,7 +193,7 @@ class _LastRows:
         return float((found + occam).max() - math.log(n))
 
 
-def _spans(rows: Array, first: Array, last: Array) -> Array:
+def _spans(rows: Array, first: Indices, last: Indices) -> Array:
     """Sums of rows (f, n), from each of some first to each of some last."""
     until = np.cumsum(rows, axis=1)
     return np.asarray(until[:, last] - until[:, first] + rows[:, first])
