@@ -23,7 +23,7 @@ from ...health import Health
 from ...noise import FilterNoise
 from ...prior import Prior
 from ..kernels.recorded_moment import ROW_DUE, WRENCH_USED
-from ..kernels.row_algebra import ROW_PERIOD, weights
+from ..kernels.row_algebra import weights
 from ..kernels.sensor_health import SENSOR_TIMEOUT
 from ..measured_motion import NO_MOTION, NO_WRENCHES, MeasuredMotion
 from ..wrench_sensing import Moving, WrenchSensing
@@ -37,9 +37,8 @@ from .wrench_noise_scale import WrenchNoiseScale
 
 MAX_REGRESSION_GAP = 0.3
 """s: across a longer one nothing is carried."""
-MIN_UNSLICED_INTERVAL = ROW_PERIOD / 8.0
-"""s between samples: a loop that is faster has a row worked out in slices, one with each sample, before the next row
-begins (`row_stages.py`)."""
+MIN_UNSLICED_INTERVAL = 0.004
+"""s between samples: a loop that is faster has a row worked out in slices, one with each sample (`row_stages.py`)."""
 SLICE_MOMENTS = 32
 """Moments that are smoothed in one."""
 
