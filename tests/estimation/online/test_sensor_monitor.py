@@ -278,7 +278,7 @@ def test_block_means():
     assert wrench_b == pytest.approx([fx, fy, tau + x * fy - y * fx])
 
 
-@pytest.mark.parametrize(("at_once", "calls"), [(True, 1), (False, 6)])
+@pytest.mark.parametrize(("at_once", "calls"), [(True, 1), (False, 7)])
 def test_a_block_takes_few_calls(at_once, calls):
     """And nothing in between: who asks `due` first pays a comparison."""
     watch, found = SensorMonitor(GUESS, ["hand"], NOISY, CartFilter(GUESS).prior, {}), 0
