@@ -110,8 +110,10 @@ class TurnedSigns:
             return self
         turns = _turns(len(self.signs))
         logs, begins = last.log_likelihoods(turns)
-        odds = np.array([1.0, 1.0, 1.0, *[COMMON_MOUNTING_ODDS] * len(turns)])
-        told = probabilities(logs, odds)[3:]
+        odds = np.array([*[COMMON_MOUNTING_ODDS] * len(turns), 1.0, 1.0])
+        told = probabilities(logs, odds)[: len(turns)]
+        if told.max() >= REFUSAL_PROBABILITY:  # seldom, and a push takes long to look for
+            told = probabilities(np.append(logs, last.with_force()), np.append(odds, 1.0))[: len(turns)]
         if not told.max() >= REFUSAL_PROBABILITY:
             return self
         best = int(told.argmax())
@@ -161,8 +163,8 @@ class _LastRows:
         return float((perfect - sound).sum())
 
     def log_likelihoods(self, turns: Array) -> tuple[Array, Array]:
-        """Log-likelihoods of no change, a constant force, disturbances, and each turn (k, arms) of signs; and the row
-        with which that begins, (k,)."""
+        """Log-likelihoods (k + 2,) of each turn (k, arms) of signs, disturbances, and no change; and the row with which
+        a turn begins, (k,)."""
         left = self.left
         pair = self._log_densities(
             np.concatenate([left[None], np.einsum("ka,afn->kfn", turns, self.give) - self.needed])
@@ -171,8 +173,8 @@ class _LastRows:
         until = np.cumsum(sound) - sound
         turned = until + _since(np.array(others))
         disturbed = until + _since(_mixture(*pair, DISTURBED_FRACTION)[0])
-        likeliest = np.array([self._with_force(left), disturbed.max(), *turned.max(axis=1)])
-        return np.append(sound.sum(), likeliest - math.log(RECENT_ROWS)), turned.argmax(axis=1)
+        likeliest = np.append(turned.max(axis=1), disturbed.max()) - math.log(RECENT_ROWS)
+        return np.append(likeliest, sound.sum()), turned.argmax(axis=1)
 
     def _log_densities(self, left: Array) -> tuple[Array, Array]:
         """Where nothing else pushes and where something does, (..., n) each, of what is left of rows (..., f, n)."""
@@ -180,9 +182,9 @@ class _LastRows:
         near, far = (-0.5 * (left**2 / one + np.log(one)).sum(axis=-2) for one in (self.variance, pushed))
         return near, far
 
-    def _with_force(self, left: Array) -> float:
+    def with_force(self) -> float:
         """The log-likelihood of a constant force in the likeliest span of rows."""
-        n, (first, last) = len(self.speed), np.triu_indices(len(self.speed))
+        left, n, (first, last) = self.left, len(self.speed), np.triu_indices(len(self.speed))
         weights = self.speed / (ROWS_PER_INDEPENDENT_ROW * self.variance)
         known = _spans(weights * self.speed, first, last) + 1.0 / self.push
         force = _spans(weights * left, first, last) / known  # (f, spans)
@@ -190,7 +192,7 @@ class _LastRows:
         pushed = force.T[..., None] * (inside * self.speed)[:, None]
         found = _mixture(*self._log_densities(left - pushed), OUTLIER_FRACTION).sum(axis=1)
         occam = -0.5 * (np.log(known * self.push) + force**2 / self.push).sum(axis=0)
-        return float((found + occam).max() - math.log(n))
+        return float((found + occam).max() - 2.0 * math.log(n))
 
 
 def _spans(rows: Array, first: Indices, last: Indices) -> Array:
