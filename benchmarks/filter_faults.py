@@ -1,4 +1,4 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|late|demo|reversals]`: what the
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|late|demo|reversals|turned]`: what the
 online filter says of sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
@@ -9,7 +9,7 @@ stands beside it; on a sound log any suspicion is an alarm.
 `noise`: velocities 0.3 to 3 times as noisy as declared. `memory`: noise of wrenches that is as large as declared from
 sample to sample, and remembers for up to 0.06 s. `late`: wrenches whose stamps are late, or early. `demo`: errors of
 the demo's runs over their deviations. `reversals`: the demo's cart straight forth and back, which leaves casters
-poised.
+poised. `turned`: signs of wrenches that turn at 6 s.
 """
 
 from __future__ import annotations
@@ -45,6 +45,8 @@ from .sensor_faults import FAR, Fault, poses, wrenches
 
 IN_TIME = 5.0
 """s of motion, in which a fault has to be told."""
+TURNED_AT = 6.0
+"""s."""
 LASTING = 12.0
 SAID_SPREAD = 0.15
 """Of a mass, where the cart's file says how sure it is."""
@@ -222,6 +224,30 @@ def faults(seeds: Sequence[int]) -> list[str]:
         cells += [f"{others}{': ' + ', '.join(which) if which else ''}"]
         cells += [f"{np.mean([one.unsound for one in found]):.2f}", wrong]
         lines.append(f"| {' | '.join(map(str, cells))} |")
+        print(lines[-1], flush=True)
+    return lines
+
+
+def turned(seeds: Sequence[int]) -> list[str]:
+    """A line for each kind of signs that turn on the way, and for sound logs: when they are told."""
+    lines = ["| | runs | told in 5 s | later | never | s, median | told before |", "| --- " * 7 + "|"]
+    for arms in ((), tuple(HANDS), *((name,) for name in HANDS)):
+        expected = "wrench" if len(arms) > 1 else "".join(arms)
+        after, before = [], 0
+        for seed in seeds:
+            run = drawn(seed)
+            sign = np.where(run.log.time < TURNED_AT, 1.0, -1.0)[:, None]
+            held = {name: ArmLog(arm.contact, sign * arm.wrench) for name, arm in run.log.arms.items() if name in arms}
+            filtered = CartFilter(run.believed, list(HANDS), noise=filter_noise(SENSOR_SETS["usual"]))
+            found = [filtered.update(one) for one in replace(run.log, arms=run.log.arms | held).measurements()]
+            named = {one.time: {s.where for s in suspicions(one) if s.kind == "sign"} for one in found}
+            before += any(where for time, where in named.items() if time < TURNED_AT or not arms)
+            after.append(next((time - TURNED_AT for time, where in named.items() if expected in where), np.inf))
+        times, told_ = np.array(after), np.isfinite(after)
+        soon = times <= IN_TIME
+        cells = [" and ".join(arms) or SOUND, len(times)]
+        cells += [soon.sum(), (told_ & ~soon).sum(), (~told_).sum(), f"{np.median(times):.1f}"] if arms else [""] * 4
+        lines.append(f"| {' | '.join(map(str, [*cells, before]))} |")
         print(lines[-1], flush=True)
     return lines
 
@@ -410,6 +436,7 @@ PARTS = {
     "late": (late, 20),
     "demo": (demo, 30),
     "reversals": (reversals, 10),
+    "turned": (turned, 12),
 }
 
 
