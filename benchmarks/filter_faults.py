@@ -1,5 +1,5 @@
-"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|late|demo|reversals|turned]`: what the
-online filter says of sensors that are not as told, and whether its deviations hold.
+"""`python -m benchmarks.filter_faults [--seeds 0:100] [--only faults|noise|memory|late|demo|reversals|turned]`: what
+the online filter says of sensors that are not as told, and whether its deviations hold.
 
 `faults`: carts of 10 to 100 kg with drag and rolling resistance, a load put on in one run of three, first guesses from
 a third to three times the mass, driven along straight and curved paths from any heading. Each log goes through the
