@@ -37,6 +37,7 @@ from cartgrasp.studies.scenario import filter_noise
 from estimation import CartFilter, FilterNoise
 from estimation.gaussian import normalised_square
 from estimation.log_noise.log_noise import noise_of_log
+from estimation.whole_log.replay import replay
 from planning.references import chain, straight
 
 from . import broken_sensors
@@ -231,22 +232,22 @@ def faults(seeds: Sequence[int]) -> list[str]:
 def turned(seeds: Sequence[int]) -> list[str]:
     """A line for each kind of signs that turn on the way, and for sound logs: when they are told."""
     lines = ["| | runs | told in 5 s | later | never | s, median | told before |", "| --- " * 7 + "|"]
+    runs = [drawn(seed) for seed in seeds]
     for arms in ((), tuple(HANDS), *((name,) for name in HANDS)):
         expected = "wrench" if len(arms) > 1 else "".join(arms)
         after, before = [], 0
-        for seed in seeds:
-            run = drawn(seed)
+        for run in runs:
             sign = np.where(run.log.time < TURNED_AT, 1.0, -1.0)[:, None]
             held = {name: ArmLog(arm.contact, sign * arm.wrench) for name, arm in run.log.arms.items() if name in arms}
             filtered = CartFilter(run.believed, list(HANDS), noise=filter_noise(SENSOR_SETS["usual"]))
-            found = [filtered.update(one) for one in replace(run.log, arms=run.log.arms | held).measurements()]
+            found = replay(replace(run.log, arms=run.log.arms | held), filtered).estimates
             named = {one.time: {s.where for s in suspicions(one) if s.kind == "sign"} for one in found}
             before += any(where for time, where in named.items() if time < TURNED_AT or not arms)
             after.append(next((time - TURNED_AT for time, where in named.items() if expected in where), np.inf))
-        times, told_ = np.array(after), np.isfinite(after)
-        soon = times <= IN_TIME
+        times = np.array(after)
+        soon, never = int((times <= IN_TIME).sum()), int(np.isinf(times).sum())
         cells = [" and ".join(arms) or SOUND, len(times)]
-        cells += [soon.sum(), (told_ & ~soon).sum(), (~told_).sum(), f"{np.median(times):.1f}"] if arms else [""] * 4
+        cells += [soon, len(times) - soon - never, never, f"{np.median(times):.1f}"] if arms else [""] * 4
         lines.append(f"| {' | '.join(map(str, [*cells, before]))} |")
         print(lines[-1], flush=True)
     return lines

@@ -102,8 +102,9 @@ class TurnedSigns:
 
     def judged(self) -> TurnedSigns:
         """With the signs of the likeliest explanation, if it is sure enough."""
-        left = PowerBalance.of(self.products).left(1.0, self.count)
-        if self.count < MIN_EVIDENCE_ROWS or left > MAX_UNEXPLAINED_FRACTION:
+        if self.count < MIN_EVIDENCE_ROWS:
+            return self
+        if PowerBalance.of(self.products).left(1.0, self.count) > MAX_UNEXPLAINED_FRACTION:
             return self
         last = self._last
         if last.most_gained < LEAST_GAINED:

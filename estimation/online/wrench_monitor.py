@@ -49,7 +49,6 @@ class WrenchMonitor:
         self._along, self._basis = cart.rolling.along_b, cart.basis_b
         push = np.square(PUSH_FORCE_STD * noise.wrench_scale(cart))
         self._signs, self._power = TurnedSigns.of(0, push), CompetingExplanations(())
-        self._products, self._rows = self._signs.all_rows
         self._sure = 0  # conclusions in a row that speak for another unit of force
 
     def compare(self, first: SensorBlock, middle: SensorBlock, last: SensorBlock) -> None:
@@ -80,20 +79,20 @@ class WrenchMonitor:
     def judge(self) -> None:
         """Looks for signs that have turned."""
         self._signs = self._signs.judged()
-        self._products, self._rows = self._signs.all_rows
 
     def suspicions(self, arms: Sequence[str], told: Sequence[Suspicion]) -> Iterator[Suspicion]:
         """By what the first guess would take for inertia and for friction, where some are `told` by now. Its sign tells
         of that of wrenches, whatever the sizes; the sizes tell of the unit."""
-        powers = PowerBalance.of(self._products)
+        products, rows = self._signs.all_rows
+        powers = PowerBalance.of(products)
         guessed, pull = powers.ii + 2.0 * powers.both + powers.ff, powers.inertial + powers.friction
-        if self._rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
+        if rows < MIN_EVIDENCE_ROWS or not guessed > 0 or not powers.given > 0:
             return
-        arms = arms[: len(self._products) - 2]
+        arms = arms[: len(self._signs.signs)]
         yield from self._of_turned_signs(arms)
         shares = [powers.left(sign, self._power.rows) for sign in (1.0, -1.0)]
         if len(arms) > 1:
-            shares += [PowerBalance.of(self._products, k).left(1.0, self._power.rows) for k in range(len(arms))]
+            shares += [PowerBalance.of(products, k).left(1.0, self._power.rows) for k in range(len(arms))]
         odds = np.array([1.0, *[COMMON_MOUNTING_ODDS] * (len(shares) - 1)])
         _, *wrong = probabilities(
             np.array(CompetingExplanations(tuple(shares), 1.0, 1.0 / self._power.rows).evidence), odds
@@ -103,7 +102,7 @@ class WrenchMonitor:
             yield _wrong_sign(where, sum(wrong))
             if where != "wrench":
                 return
-        scales = np.array(self._logs_of_units(powers, math.copysign(1.0, pull)))
+        scales = np.array(self._logs_of_units(powers.shares(math.copysign(1.0, pull), rows)))
         sound, *units = probabilities(scales, np.array([1.0, *[FORCE_UNIT_ODDS] * (len(FORCE_UNITS) - 1)])).tolist()
         self._sure = self._sure + 1 if sound < 1.0 - REFUSAL_PROBABILITY else 0
         stays = any(one.kind == "unit" and one.where == "wrench" for one in told)
@@ -118,9 +117,10 @@ class WrenchMonitor:
         for where in ["wrench"] if len(turned) == len(arms) else turned:
             yield _wrong_sign(where, self._signs.probability)
 
-    def _logs_of_units(self, powers: PowerBalance, sign: float) -> list[float]:
-        """Logarithms of likelihoods. Friction grows with the mass: by as much as the guess of that is off, both are."""
-        (moved, moved_by), (rubbed, rubbed_by) = powers.shares(sign, self._rows)
+    def _logs_of_units(self, shares: tuple[tuple[float, float], ...]) -> list[float]:
+        """Logarithms of likelihoods, by the shares of `PowerBalance`. Friction grows with the mass: by as much as the
+        guess of that is off, both are."""
+        (moved, moved_by), (rubbed, rubbed_by) = shares
         of_mass = self._spread**2 + MIN_MASS_LOG_STD**2
         first, last = of_mass + UNKNOWN_LOG_VARIANCE, of_mass + UNKNOWN_LOG_VARIANCE
         if moved > MIN_POWER_RATIO:
